@@ -1,0 +1,29 @@
+# Compile settings that every target of the project shares.
+
+# phasescan_configure(<target>): C++20, warnings, sanitizers. No fast-math anywhere: the same input gives the same bytes.
+function(phasescan_configure target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off)
+  if(PHASESCAN_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(PHASESCAN_SANITIZE)
+    target_compile_options(${target} PUBLIC -fsanitize=${PHASESCAN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    target_link_options(${target} PUBLIC -fsanitize=${PHASESCAN_SANITIZE})
+  endif()
+endfunction()
+
+# phasescan_library(<name> <folder>...): one static library from the given folders of src/.
+function(phasescan_library name)
+  set(sources)
+  foreach(folder IN LISTS ARGN)
+    file(GLOB found CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/${folder}/*.cpp")
+    list(APPEND sources ${found})
+  endforeach()
+  add_library(${name} ${sources})
+  phasescan_configure(${name})
+  target_include_directories(${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PRIVATE ${PROJECT_SOURCE_DIR}/src)
+endfunction()

@@ -1,0 +1,73 @@
+/// How an options struct describes itself: one `visit` per struct is the only source for defaults, YAML keys, flags,
+/// `config --dump` and validation.
+///
+/// A struct of options has plain members with defaults and
+///
+///   template <class Self, class Visitor>
+///   static void visit(Self& self, Visitor&& v) {
+///     v("dmax_m", self.dmax_m, OptionInfo{"m", "range beyond which returns are left out", 0.1, 200});
+///   }
+///
+/// Members are bool, int, double, std::string or an enum for which `enum_names` is specialised.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace phasescan {
+
+/// What is known of one option beside its value. Bounds are inclusive and apply to numbers only.
+struct OptionInfo {
+  std::string_view unit;
+  std::string_view meaning;
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
+
+/// Names of an enum's values, in order from 0: what YAML and flags say. Specialise for each enum used as an option.
+template <class E>
+std::span<const std::string_view> enum_names() = delete;
+
+template <class E>
+  requires std::is_enum_v<E>
+std::string_view to_string(E value) {
+  return enum_names<E>()[static_cast<std::size_t>(value)];
+}
+
+/// Parses an enum name. @throws std::invalid_argument naming the choices.
+template <class E>
+  requires std::is_enum_v<E>
+E enum_from_string(std::string_view text) {
+  const auto names = enum_names<E>();
+  std::string choices;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == text) return static_cast<E>(i);
+    choices += (i ? ", " : "") + std::string(names[i]);
+  }
+  throw std::invalid_argument("'" + std::string(text) + "' is not one of " + choices);
+}
+
+/// Checks every numeric member against its bounds.
+/// @throws std::invalid_argument "section.field: value 7 is outside 0..5 m".
+template <class Options>
+void validate_options(std::string_view section, const Options& options) {
+  Options::visit(options, [&](std::string_view name, const auto& value, const OptionInfo& info) {
+    using T = std::decay_t<decltype(value)>;
+    if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
+      const double number = static_cast<double>(value);
+      if (!(number >= info.min && number <= info.max)) {
+        throw std::invalid_argument(std::string(section) + "." + std::string(name) + ": value " + std::to_string(value) +
+                                    " is outside " + std::to_string(info.min) + ".." + std::to_string(info.max) +
+                                    (info.unit.empty() ? "" : " " + std::string(info.unit)));
+      }
+    }
+  });
+}
+
+}  // namespace phasescan

@@ -1,0 +1,67 @@
+/// Logs of any readable format behind one door: `open_log` looks at the content, never at the name.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/scan/scan.hpp"
+
+namespace phasescan {
+
+/// One laser message of a log.
+struct LogEntry {
+  Scan scan;
+  std::optional<Pose2> odometry;   ///< T_odom_base at the scan's stamp (of the laser where the log knows no base)
+  std::optional<Pose2> corrected;  ///< what the log itself calls its estimate (FLASER's first pose); never used to match or map
+  Pose2 T_base_laser;              ///< where the laser sits; identity where the log does not say
+  bool flipped = false;            ///< the laser is mounted upside down: its y axis points to the robot's right
+  std::string laser;               ///< topic or CARMEN keyword: which laser
+  long line = 0;                   ///< 1-based line of a text log, ordinal of the message in a binary one
+};
+
+/// Something in the file that could not be read. What lies around it was.
+struct LogDamage {
+  std::string kind;  ///< short, countable: "truncated line", "wrong count", "bad chunk", ...
+  std::string text;  ///< "FILE:LINE: ..." as the user sees it
+};
+
+/// What to read of a log.
+struct LogOptions {
+  std::string topic;  ///< ROS: only this scan topic; empty = all
+};
+
+/// Reads a log from front to back in bounded memory. One entry per laser message, in the file's order.
+class LogReader {
+ public:
+  virtual ~LogReader() = default;
+  /// The next scan, or nothing at the end. A damaged place is skipped and recorded in `damages()`.
+  virtual std::optional<LogEntry> next() = 0;
+  /// "carmen", "scan log", "rosbag1", ...
+  virtual std::string format() const = 0;
+  /// Facts for `info`, by name (params, topics, compression, ...).
+  virtual std::map<std::string, std::string> facts() const { return {}; }
+
+  /// Damage seen so far; at most the first 100 are kept, all are counted.
+  const std::vector<LogDamage>& damages() const { return damages_; }
+  std::size_t damage_count() const { return damage_count_; }
+
+ protected:
+  void add_damage(std::string kind, std::string text) {
+    ++damage_count_;
+    if (damages_.size() < 100) damages_.push_back({std::move(kind), std::move(text)});
+  }
+
+ private:
+  std::vector<LogDamage> damages_;
+  std::size_t damage_count_ = 0;
+};
+
+/// Opens a log. @throws InputError (no such format, nothing readable), SystemError (permission).
+std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& options = {});
+
+}  // namespace phasescan

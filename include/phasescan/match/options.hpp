@@ -1,0 +1,43 @@
+/// Every option of a match, one struct per stage: the only home of their defaults.
+#pragma once
+
+#include "phasescan/core/options.hpp"
+
+namespace phasescan {
+
+/// The matchers: the five of [Jiang19] Sec. 5 and this project's own.
+enum class MatchMethod { kIcp, kNdt, kFft, kFftIcp1, kFftIcp2, kFftMh };
+template <>
+std::span<const std::string_view> enum_names<MatchMethod>();
+
+/// What belongs to no single stage (section `match`).
+struct MatchGeneralOptions {
+  MatchMethod method = MatchMethod::kFftIcp2;
+  bool fast = false;
+  double min_confidence = 0.9;
+  int min_points = 10;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("method", self.method, OptionInfo{"", "icp, ndt, fft, fft-icp1, fft-icp2 or fft-mh"});
+    v("fast", self.fast, OptionInfo{"", "trade a little robustness for time (fft-mh)"});
+    v("min_confidence", self.min_confidence, OptionInfo{"", "usable above this probability (fft-mh)", 0, 1});
+    v("min_points", self.min_points, OptionInfo{"", "fewer hits in either scan: no answer", 1, 1e6});
+  }
+};
+
+/// All sections a match reads.
+struct MatchOptions {
+  MatchGeneralOptions match;
+
+  /// Calls v(section_name, section_struct) for each stage, in the order of the pipeline.
+  template <class Self, class Visitor>
+  static void visit_sections(Self& self, Visitor&& v) {
+    v("match", self.match);
+  }
+
+  /// @throws std::invalid_argument naming section, field and bounds.
+  void validate() const;
+};
+
+}  // namespace phasescan

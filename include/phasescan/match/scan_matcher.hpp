@@ -1,0 +1,67 @@
+/// The matchers behind one door: scans in, a pose with its trustworthiness out.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/match/options.hpp"
+#include "phasescan/match/result.hpp"
+#include "phasescan/scan/scan.hpp"
+
+namespace phasescan {
+
+/// What else is known of a pair of scans.
+struct MatchHints {
+  std::optional<Pose2> guess;  ///< T_ref_scan to start from; none: any rotation, no guess
+  Twist2 reference_twist;      ///< motion of the sensor during the reference scan, taken out of it
+  Twist2 scan_twist;           ///< the same for the scan
+};
+
+/// A reference scan with all that a method prepares of it (points, image, spectrum, search structures). Copies share it;
+/// any number of matchers may read one at the same time.
+class Reference {
+ public:
+  struct Data;
+  explicit Reference(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+  const Data& data() const { return *data_; }
+
+ private:
+  std::shared_ptr<const Data> data_;
+};
+
+/// Matches scans with one method. Owns its buffers: one object per thread; nothing is shared but FFT plans.
+class ScanMatcher {
+ public:
+  /// @throws std::invalid_argument naming the option that is out of bounds.
+  explicit ScanMatcher(const MatchOptions& options = {});
+  ~ScanMatcher();
+  ScanMatcher(ScanMatcher&&) noexcept;
+  ScanMatcher& operator=(ScanMatcher&&) noexcept;
+
+  /// Finds T_ref_scan. Never throws for what the world offers: a hopeless scan is a status in the result.
+  MatchResult match(const Scan& reference, const Scan& scan, const MatchHints& hints = {});
+
+  /// Prepares a reference once for many matches.
+  Reference prepare(const Scan& reference, const Twist2& twist = {});
+  /// The same answer as with the raw reference scan. @throws std::invalid_argument for a reference of another method's matcher.
+  MatchResult match(const Reference& reference, const Scan& scan, const MatchHints& hints = {});
+
+  const MatchOptions& options() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The one-line door: one match with the given options.
+MatchResult match_scans(const Scan& reference, const Scan& scan, const MatchOptions& options = {},
+                        const MatchHints& hints = {});
+
+/// Many scans against one reference, on `threads` threads; the same answers for any number of them.
+std::vector<MatchResult> match_many(const Scan& reference, std::span<const Scan> scans, const MatchOptions& options = {},
+                                    int threads = 1);
+
+}  // namespace phasescan

@@ -1,0 +1,1 @@
+#include "phasescan/io/pairs.hpp"

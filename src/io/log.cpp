@@ -1,0 +1,1 @@
+#include "phasescan/io/log.hpp"

@@ -1,0 +1,17 @@
+#include "phasescan/match/options.hpp"
+
+#include <array>
+
+namespace phasescan {
+
+template <>
+std::span<const std::string_view> enum_names<MatchMethod>() {
+  static constexpr std::array<std::string_view, 6> kNames{"icp", "ndt", "fft", "fft-icp1", "fft-icp2", "fft-mh"};
+  return kNames;
+}
+
+void MatchOptions::validate() const {
+  visit_sections(*this, [](std::string_view section, const auto& options) { validate_options(section, options); });
+}
+
+}  // namespace phasescan

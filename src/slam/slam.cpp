@@ -1,0 +1,1 @@
+#include "phasescan/core/pose2.hpp"
