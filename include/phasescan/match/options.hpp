@@ -2,6 +2,7 @@
 #pragma once
 
 #include "phasescan/core/options.hpp"
+#include "phasescan/refine/icp.hpp"
 
 namespace phasescan {
 
@@ -29,11 +30,13 @@ struct MatchGeneralOptions {
 /// All sections a match reads.
 struct MatchOptions {
   MatchGeneralOptions match;
+  IcpOptions icp;
 
   /// Calls v(section_name, section_struct) for each stage, in the order of the pipeline.
   template <class Self, class Visitor>
   static void visit_sections(Self& self, Visitor&& v) {
     v("match", self.match);
+    v("icp", self.icp);
   }
 
   /// @throws std::invalid_argument naming section, field and bounds.
