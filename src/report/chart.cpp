@@ -1,0 +1,289 @@
+#include "phasescan/report/chart.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "report/chart_scale.hpp"
+
+namespace phasescan {
+namespace {
+
+constexpr double kTickText = 10.0;
+constexpr double kLabelText = 11.0;
+constexpr double kTitleText = 12.5;
+
+void check_lengths(const Series& s) {
+  const auto fits = [&](const std::vector<double>& v) { return v.empty() || v.size() == s.x.size(); };
+  const bool y_may_be_empty = s.kind == SeriesKind::kBand;
+  if ((s.y.size() != s.x.size() && !(y_may_be_empty && s.y.empty())) || !fits(s.low) || !fits(s.high) || !fits(s.q1) ||
+      !fits(s.q3) || s.low.size() != s.high.size() || s.q1.size() != s.q3.size()) {
+    throw std::invalid_argument("chart.series '" + s.name + "': x, y, low, high, q1, q3 differ in length");
+  }
+}
+
+/// Draws the series of one chart through two scales.
+class Plotter {
+ public:
+  Plotter(SvgCanvas& canvas, const AxisScale& x, const AxisScale& y, bool categories, const std::vector<Series>& series)
+      : canvas_(canvas), x_(x), y_(y) {
+    for (const Series& s : series) columns_ += s.kind == SeriesKind::kBars || s.kind == SeriesKind::kBoxes;
+    if (columns_ == 0 && categories) {
+      dodge_points_ = true;
+      for (const Series& s : series) columns_ += s.kind == SeriesKind::kPoints;
+    }
+  }
+
+  void draw(const Series& s, const std::string& color) {
+    switch (s.kind) {
+      case SeriesKind::kLine: line(s, color); break;
+      case SeriesKind::kPoints: points(s, color); break;
+      case SeriesKind::kDots: canvas_.dots(to_px(s.x, x_), to_px(s.y, y_), s.width, color, s.opacity); break;
+      case SeriesKind::kBars: bars(s, color); break;
+      case SeriesKind::kBoxes: boxes(s, color); break;
+      case SeriesKind::kBand: band(s, color); break;
+    }
+  }
+
+ private:
+  static std::vector<double> to_px(const std::vector<double>& values, const AxisScale& scale) {
+    std::vector<double> out(values.size());
+    std::transform(values.begin(), values.end(), out.begin(), scale);
+    return out;
+  }
+
+  /// Centre of this series' column at x, and the column's width.
+  double column_center(double x) const {
+    const double width = column_width();
+    return x_(x) + (column_ - (columns_ - 1) / 2.0) * width;
+  }
+  double column_width() const { return 0.8 * (x_(1.0) - x_(0.0)) / std::max(columns_, 1); }
+
+  void whisker(double x, double low, double high, const Stroke& stroke, double cap) {
+    if (!std::isfinite(low) || !std::isfinite(high)) return;
+    const double a = y_(low), b = y_(high);
+    canvas_.line(x, a, x, b, stroke);
+    canvas_.line(x - cap, a, x + cap, a, stroke);
+    canvas_.line(x - cap, b, x + cap, b, stroke);
+  }
+
+  void line(const Series& s, const std::string& color) {
+    canvas_.polyline(to_px(s.x, x_), to_px(s.y, y_), {color, s.width, s.dash, s.opacity});
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      if (!s.low.empty()) whisker(x_(s.x[i]), s.low[i], s.high[i], {color, 1.0, {}, 0.7}, 2.5);
+      canvas_.marker(x_(s.x[i]), y_(s.y[i]), s.marker, s.marker_size, color);
+    }
+  }
+
+  void points(const Series& s, const std::string& color) {
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      const double x = dodge_points_ ? column_center(s.x[i]) : x_(s.x[i]);
+      if (!s.low.empty()) whisker(x, s.low[i], s.high[i], {color, 1.2}, 3.0);
+      canvas_.marker(x, y_(s.y[i]), s.marker == Marker::kNone ? Marker::kCircle : s.marker, s.marker_size, color);
+    }
+    if (dodge_points_) ++column_;
+  }
+
+  void bars(const Series& s, const std::string& color) {
+    const double width = column_width();
+    const double base = y_(std::clamp(0.0, y_.low, y_.high));
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      if (!std::isfinite(s.y[i])) continue;
+      const double x = column_center(s.x[i]), top = y_(s.y[i]);
+      canvas_.rect(x - 0.46 * width, std::min(top, base), 0.92 * width, std::abs(base - top), color, s.opacity);
+      if (!s.low.empty()) whisker(x, s.low[i], s.high[i], {std::string(palette::kInk), 1.0}, std::min(3.0, width / 4.0));
+    }
+    ++column_;
+  }
+
+  void boxes(const Series& s, const std::string& color) {
+    const double width = std::min(column_width(), 26.0);
+    for (std::size_t i = 0; i < s.x.size(); ++i) {
+      if (!std::isfinite(s.y[i])) continue;
+      const double x = column_center(s.x[i]);
+      if (!s.low.empty()) whisker(x, s.low[i], s.high[i], {color, 1.2}, width / 5.0);
+      if (!s.q1.empty()) {
+        const double top = y_(s.q3[i]), bottom = y_(s.q1[i]);
+        canvas_.rect(x - 0.36 * width, top, 0.72 * width, std::max(bottom - top, 0.5), "#ffffff");
+        canvas_.rect(x - 0.36 * width, top, 0.72 * width, std::max(bottom - top, 0.5), color, 0.3, {color, 1.2});
+      }
+      canvas_.line(x - 0.36 * width, y_(s.y[i]), x + 0.36 * width, y_(s.y[i]), {color, 2.2});
+    }
+    ++column_;
+  }
+
+  void band(const Series& s, const std::string& color) {
+    std::vector<double> x = to_px(s.x, x_), y = to_px(s.high, y_);
+    const std::vector<double> back = to_px(s.low, y_);
+    for (std::size_t i = back.size(); i-- > 0;) {
+      x.push_back(x_(s.x[i]));
+      y.push_back(back[i]);
+    }
+    canvas_.polygon(x, y, color, s.opacity < 1.0 ? s.opacity : 0.2);
+  }
+
+  SvgCanvas& canvas_;
+  AxisScale x_, y_;
+  int columns_ = 0;
+  int column_ = 0;
+  bool dodge_points_ = false;
+};
+
+void draw_axes(SvgCanvas& canvas, const Chart& chart, const AxisScale& x, const AxisScale& y, const std::vector<Tick>& x_ticks,
+               const std::vector<Tick>& y_ticks) {
+  const Stroke grid{std::string(palette::kGrid), 1.0};
+  const bool categories = !chart.x.categories.empty();
+  const std::string muted(palette::kMuted);
+  double widest = 0.0;
+  for (const Tick& t : x_ticks) widest = std::max(widest, text_width(t.label, kTickText));
+  const bool slanted = categories && widest > (x.px_high - x.px_low) / static_cast<double>(x_ticks.size()) - 3.0;
+  for (const Tick& t : x_ticks) {
+    const double px = x(t.value);
+    if (chart.grid && !categories) canvas.line(px, y.px_low, px, y.px_high, grid);
+    if (chart.frameless) continue;
+    canvas.line(px, y.px_low, px, y.px_low + 3.5, {std::string(palette::kAxis), 1.0});
+    if (slanted) {
+      canvas.text(px + 4.0, y.px_low + 13.0, t.label, {kTickText, TextAnchor::kEnd, muted, false, 28.0});
+    } else {
+      canvas.text(px, y.px_low + 15.0, t.label, {kTickText, TextAnchor::kMiddle, muted});
+    }
+  }
+  for (const Tick& t : y_ticks) {
+    const double px = y(t.value);
+    if (chart.grid) canvas.line(x.px_low, px, x.px_high, px, grid);
+    if (chart.frameless) continue;
+    canvas.line(x.px_low - 3.5, px, x.px_low, px, {std::string(palette::kAxis), 1.0});
+    canvas.text(x.px_low - 6.0, px + 3.5, t.label, {kTickText, TextAnchor::kEnd, muted});
+  }
+}
+
+std::vector<LegendEntry> legend_entries(const Chart& chart, const std::vector<std::string>& colors) {
+  std::vector<LegendEntry> entries;
+  for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    if (chart.series[i].name.empty()) continue;
+    const Series& s = chart.series[i];
+    LegendEntry entry{s.name, {}};
+    entry.look.kind = s.kind;
+    entry.look.color = colors[i];
+    entry.look.width = s.width;
+    entry.look.dash = s.dash;
+    entry.look.opacity = s.opacity;
+    entry.look.marker = s.marker;
+    entry.look.marker_size = s.marker_size;
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+std::vector<std::string> series_colors(const Chart& chart) {
+  std::vector<std::string> colors;
+  for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    const std::string& own = chart.series[i].color;
+    colors.push_back(own.empty() ? std::string(palette::cycle(i)) : own);
+  }
+  return colors;
+}
+
+void draw_inner_legend(SvgCanvas& canvas, const Chart& chart, const std::vector<LegendEntry>& entries, const AxisScale& x,
+                       const AxisScale& y) {
+  double widest = 0.0;
+  for (const LegendEntry& e : entries) widest = std::max(widest, text_width(e.name, kTickText));
+  const double w = widest + 40.0, h = 15.0 * static_cast<double>(entries.size()) + 8.0;
+  const bool right = chart.legend == LegendPlace::kTopRight || chart.legend == LegendPlace::kBottomRight;
+  const bool top = chart.legend == LegendPlace::kTopRight || chart.legend == LegendPlace::kTopLeft;
+  const double x0 = right ? x.px_high - w - 6.0 : x.px_low + 6.0;
+  const double y0 = top ? y.px_high + 6.0 : y.px_low - h - 6.0;
+  canvas.rect(x0, y0, w, h, "#ffffff", 0.88, {std::string(palette::kGrid), 1.0});
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    draw_legend(&canvas, {entries[i]}, x0 + 4.0, y0 + 3.0 + 15.0 * static_cast<double>(i), 1e9);
+  }
+}
+
+}  // namespace
+
+void Chart::draw(SvgCanvas& canvas, double x0, double y0, double w, double h) const {
+  for (const Series& s : series) check_lengths(s);
+  const std::vector<std::string> colors = series_colors(*this);
+  const std::vector<LegendEntry> entries = legend == LegendPlace::kNone ? std::vector<LegendEntry>{} : legend_entries(*this, colors);
+
+  AxisScale sx = axis_limits(x, series, false), sy = axis_limits(y, series, true);
+  const double title_height = (title.empty() ? 0.0 : 19.0) + (subtitle.empty() ? 0.0 : 15.0);
+  const double legend_height = legend == LegendPlace::kBelow ? draw_legend(nullptr, entries, 0.0, 0.0, w - 20.0) : 0.0;
+  const double top = y0 + 8.0 + title_height;
+  double tick_depth = frameless ? 6.0 : 20.0;
+  double widest_category = 0.0;
+  for (const std::string& c : x.categories) widest_category = std::max(widest_category, text_width(c, kTickText));
+  const double bottom_fixed = (x.label.empty() ? 0.0 : 17.0) + legend_height + 4.0;
+  const int y_target = std::max(2, static_cast<int>(h / 45.0)), x_target = std::max(2, static_cast<int>(w / 70.0));
+  double tick_width = 0.0;
+  for (const Tick& t : axis_ticks(y, sy, y_target)) tick_width = std::max(tick_width, text_width(t.label, kTickText));
+  const double left = x0 + (frameless ? 8.0 : tick_width + 14.0) + (y.label.empty() ? 0.0 : 17.0);
+  const double right = x0 + w - 12.0;
+  if (!x.categories.empty() && widest_category > (right - left) / static_cast<double>(x.categories.size()) - 3.0) {
+    tick_depth += 0.47 * widest_category;
+  }
+  const double bottom = y0 + h - bottom_fixed - tick_depth;
+  if (!(right > left + 10.0 && bottom > top + 10.0)) throw std::invalid_argument("chart.size: too small to draw in");
+  if (equal) make_equal(sx, sy, right - left, bottom - top);
+  sx.px_low = left, sx.px_high = right;
+  sy.px_low = bottom, sy.px_high = top;
+
+  canvas.rect(left, top, right - left, bottom - top, "#ffffff");
+  if (raster) {
+    canvas.pixels(left, top, right - left, bottom - top, raster->values, raster->rows, raster->cols, raster->color, raster->levels);
+  }
+  draw_axes(canvas, *this, sx, sy, axis_ticks(x, sx, x_target), axis_ticks(y, sy, y_target));
+  canvas.begin_clip(left, top, right - left, bottom - top);
+  Plotter plotter(canvas, sx, sy, !x.categories.empty(), series);
+  for (std::size_t i = 0; i < series.size(); ++i) plotter.draw(series[i], colors[i]);
+  for (const ChartNote& note : notes) canvas.text(sx(note.x), sy(note.y), note.text, note.style);
+  canvas.end_clip();
+  canvas.rect(left, top, right - left, bottom - top, "none", 1.0, {std::string(palette::kAxis), 1.0});
+
+  if (!title.empty()) canvas.text(left, y0 + 17.0, title, {kTitleText, TextAnchor::kStart, std::string(palette::kInk), true});
+  if (!subtitle.empty()) {
+    canvas.text(left, y0 + (title.empty() ? 15.0 : 32.0), subtitle, {kTickText, TextAnchor::kStart, std::string(palette::kMuted)});
+  }
+  if (!x.label.empty()) {
+    canvas.text((left + right) / 2.0, bottom + tick_depth + 11.0, x.label, {kLabelText, TextAnchor::kMiddle});
+  }
+  if (!y.label.empty()) {
+    canvas.text(x0 + 13.0, (top + bottom) / 2.0, y.label,
+                {kLabelText, TextAnchor::kMiddle, std::string(palette::kInk), false, 90.0});
+  }
+  if (legend == LegendPlace::kBelow) {
+    draw_legend(&canvas, entries, x0 + 10.0, y0 + h - legend_height, w - 20.0);
+  } else if (!entries.empty()) {
+    draw_inner_legend(canvas, *this, entries, sx, sy);
+  }
+}
+
+std::string Chart::svg(double w, double h) const {
+  SvgCanvas canvas(w, h);
+  draw(canvas, 0.0, 0.0, w, h);
+  return canvas.str(title);
+}
+
+std::string Figure::svg() const {
+  const int cols = std::max(1, std::min(columns, static_cast<int>(charts.size())));
+  const int rows = (static_cast<int>(charts.size()) + cols - 1) / cols;
+  std::vector<LegendEntry> entries;
+  for (const Chart& chart : charts) {
+    if (shared_legend && entries.empty() && chart.legend != LegendPlace::kNone) entries = legend_entries(chart, series_colors(chart));
+  }
+  const double width = cols * cell_width;
+  const double title_height = title.empty() ? 0.0 : 28.0;
+  const double legend_height = draw_legend(nullptr, entries, 0.0, 0.0, width - 20.0);
+  SvgCanvas canvas(width, std::max(1, rows) * cell_height + title_height + legend_height + 2.0);
+  if (!title.empty()) canvas.text(10.0, 20.0, title, {14.0, TextAnchor::kStart, std::string(palette::kInk), true});
+  for (std::size_t i = 0; i < charts.size(); ++i) {
+    Chart chart = charts[i];
+    if (shared_legend) chart.legend = LegendPlace::kNone;
+    const int index = static_cast<int>(i);
+    chart.draw(canvas, (index % cols) * cell_width, title_height + (index / cols) * cell_height, cell_width, cell_height);
+  }
+  draw_legend(&canvas, entries, 10.0, canvas.height() - legend_height, width - 20.0);
+  return canvas.str(title);
+}
+
+}  // namespace phasescan
