@@ -1,5 +1,6 @@
 #include "match/paper_engine.hpp"
 
+#include "match/image_stages.hpp"
 #include "match/stage_clock.hpp"
 #include "phasescan/refine/icp.hpp"
 #include "phasescan/scan/points.hpp"
@@ -11,40 +12,75 @@ struct PaperReference final : Reference::Data {
   using Data::Data;
   ScanPoints points;
   PointIndex index;
+  ImageReference image;
 };
+
+/// Which steps of PAPER a method has.
+struct Steps {
+  bool image = false, missing = false, icp = false, ndt = false;
+};
+
+Steps steps_of(MatchMethod method) {
+  switch (method) {
+    case MatchMethod::kIcp: return {.icp = true};
+    case MatchMethod::kNdt: return {.ndt = true};
+    case MatchMethod::kFft: return {.image = true};
+    case MatchMethod::kFftIcp1: return {.image = true, .icp = true};
+    default: return {.image = true, .missing = true, .icp = true};
+  }
+}
 
 class PaperEngine final : public MatchEngine {
  public:
   explicit PaperEngine(const MatchOptions& options)
-      : options_(options), icp_(options.icp), own_(std::make_shared<PaperReference>(options.match.method)) {}
+      : options_(options),
+        steps_(steps_of(options.match.method)),
+        icp_(options.icp),
+        own_(std::make_shared<PaperReference>(options.match.method)) {
+    if (steps_.image) {
+      images_.emplace(options, options.match.method == MatchMethod::kFft ? options.image.fft_size : options.image.size,
+                      steps_.missing);
+    }
+  }
 
   MatchResult match(const Scan& reference, const Scan& scan, const MatchHints& hints) override {
     MatchTimes ms;
     prepare_into(reference, hints.reference_twist, *own_, ms);
-    return match_prepared(*own_, scan, hints, ms);
+    return run(*own_, own_.get(), scan, hints, ms);
   }
 
   std::shared_ptr<const Reference::Data> prepare(const Scan& reference, const Twist2& twist) override {
     MatchTimes ms;
     auto data = std::make_shared<PaperReference>(options_.match.method);
     prepare_into(reference, twist, *data, ms);
+    if (images_ && enough(data->points)) images_->finish(data->points, data->image, ms);
     return data;
   }
 
   MatchResult match(const Reference::Data& reference, const Scan& scan, const MatchHints& hints) override {
-    return match_prepared(static_cast<const PaperReference&>(reference), scan, hints, {});
+    return run(static_cast<const PaperReference&>(reference), nullptr, scan, hints, {});
   }
 
  private:
+  bool enough(const ScanPoints& points) const {
+    return points.size() >= static_cast<std::size_t>(options_.match.min_points);
+  }
+
   void prepare_into(const Scan& reference, const Twist2& twist, PaperReference& data, MatchTimes& ms) {
     StageClock clock;
     scan_to_points(reference, data.points, 0.0, twist);
     clock.add_to(ms.image);
+    if (!enough(data.points)) return;
+    if (images_) images_->prepare(reference, data.points, data.image, ms);
+    if (!steps_.icp) return;
+    StageClock refine_clock;
     data.index.build(data.points);
-    clock.add_to(ms.refine);
+    refine_clock.add_to(ms.refine);
   }
 
-  MatchResult match_prepared(const PaperReference& reference, const Scan& scan, const MatchHints& hints, const MatchTimes& ms) {
+  /// @param unfinished  the reference again where it is this engine's own and may be completed on demand, else null
+  MatchResult run(const PaperReference& reference, PaperReference* unfinished, const Scan& scan, const MatchHints& hints,
+                  const MatchTimes& ms) {
     MatchResult result;
     result.ms = ms;
     result.T_ref_scan = hints.guess.value_or(Pose2{});
@@ -52,23 +88,66 @@ class PaperEngine final : public MatchEngine {
     StageClock clock;
     scan_to_points(scan, points_, 0.0, hints.scan_twist);
     clock.add_to(result.ms.image);
-    const auto least = static_cast<std::size_t>(options_.match.min_points);
-    if (reference.points.size() < least || points_.size() < least) return result;
+    if (!enough(reference.points) || !enough(points_)) return result;
 
-    const IcpResult refined =
-        icp_.align(reference.index, points_, result.T_ref_scan, hints.guess ? 0.0 : options_.icp.gate_start_m);
+    if (!steps_.image) {
+      refine(reference, hints.guess ? 0.0 : options_.icp.gate_start_m, result);
+      return result;
+    }
+    if (hints.guess) {
+      if (steps_.icp) {
+        refine(reference, 0.0, result);
+      } else {
+        accept(images_->translate(reference.image, points_, hints.guess->theta, false, result.ms), RotationSource::kGuess, result);
+      }
+      return result;
+    }
+    if (steps_.missing) {
+      const std::optional<double> theta = images_->rotation_from_missing(reference.image, scan, result.ms);
+      if (theta) {
+        accept(images_->translate(reference.image, points_, *theta, false, result.ms), RotationSource::kMissingData, result);
+        if (result.usable) refine(reference, 0.0, result);
+        if (result.usable || !options_.missing.verify) return result;
+      }
+    }
+    if (unfinished != nullptr) images_->finish(unfinished->points, unfinished->image, result.ms);
+    ImageEstimate best;
+    for (const RotationCandidate& candidate : images_->rotations_from_spectrum(reference.image, points_, result.ms)) {
+      const ImageEstimate estimate =
+          images_->translate(reference.image, points_, candidate.theta, options_.rotation.twin, result.ms);
+      if (estimate.score > best.score) best = estimate;
+    }
+    accept(best, RotationSource::kSpectrum, result);
+    if (result.usable && steps_.icp) refine(reference, 0.0, result);
+    return result;
+  }
+
+  void accept(const ImageEstimate& estimate, RotationSource source, MatchResult& result) const {
+    result.T_ref_scan = estimate.T_ref_scan;
+    result.rotation_source = source;
+    result.overlap = estimate.score;
+    result.status = estimate.score >= options_.translation.min_score && estimate.score > 0.0 ? MatchStatus::kConverged
+                                                                                             : MatchStatus::kNoPeak;
+    result.usable = result.status == MatchStatus::kConverged;
+  }
+
+  /// Step 5.
+  void refine(const PaperReference& reference, double gate_start_m, MatchResult& result) {
+    StageClock clock;
+    const IcpResult refined = icp_.align(reference.index, points_, result.T_ref_scan, gate_start_m);
     clock.add_to(result.ms.refine);
     result.T_ref_scan = refined.T_ref_scan;
     result.iterations = refined.iterations;
     result.overlap = refined.overlap;
-    result.status = !refined.converged                               ? MatchStatus::kNotConverged
+    result.status = !refined.converged                           ? MatchStatus::kNotConverged
                     : refined.overlap < options_.icp.min_overlap ? MatchStatus::kLowOverlap
                                                                  : MatchStatus::kConverged;
     result.usable = result.status == MatchStatus::kConverged;
-    return result;
   }
 
   MatchOptions options_;
+  Steps steps_;
+  std::optional<ImageStages> images_;
   Icp icp_;
   std::shared_ptr<PaperReference> own_;
   ScanPoints points_;

@@ -2,7 +2,12 @@
 #pragma once
 
 #include "phasescan/core/options.hpp"
+#include "phasescan/image/rasterize.hpp"
 #include "phasescan/refine/icp.hpp"
+#include "phasescan/rotation/from_spectrum.hpp"
+#include "phasescan/scan/missing.hpp"
+#include "phasescan/spectrum/spectrum.hpp"
+#include "phasescan/translation/phase_correlation.hpp"
 
 namespace phasescan {
 
@@ -30,12 +35,22 @@ struct MatchGeneralOptions {
 /// All sections a match reads.
 struct MatchOptions {
   MatchGeneralOptions match;
+  ImageOptions image;
+  MissingOptions missing;
+  SpectrumOptions spectrum;
+  RotationOptions rotation;
+  TranslationOptions translation;
   IcpOptions icp;
 
   /// Calls v(section_name, section_struct) for each stage, in the order of the pipeline.
   template <class Self, class Visitor>
   static void visit_sections(Self& self, Visitor&& v) {
     v("match", self.match);
+    v("image", self.image);
+    v("missing", self.missing);
+    v("spectrum", self.spectrum);
+    v("rotation", self.rotation);
+    v("translation", self.translation);
     v("icp", self.icp);
   }
 

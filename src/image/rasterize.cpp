@@ -1,0 +1,75 @@
+#include "phasescan/image/rasterize.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace phasescan {
+
+ImageGrid choose_grid(const ScanPoints& reference, const ImageOptions& options, int size, std::vector<float>& scratch) {
+  ImageGrid grid{size, options.dmax_m};
+  if (options.adaptive_factor > 0.0 && reference.size() > 0) {
+    scratch.assign(reference.range.begin(), reference.range.end());
+    const auto at = static_cast<std::ptrdiff_t>(static_cast<double>(scratch.size() - 1) * 0.95);
+    std::nth_element(scratch.begin(), scratch.begin() + at, scratch.end());
+    grid.dmax_m = std::max(grid.dmax_m, options.adaptive_factor * static_cast<double>(scratch[static_cast<std::size_t>(at)]));
+  }
+  return grid;
+}
+
+Rasterizer::Rasterizer(double blur_px) {
+  if (!(blur_px > 0.0)) return;
+  reach_ = static_cast<int>(std::ceil(2.0 * blur_px));
+  const int side = 2 * reach_ + 1;
+  double sum = 0.0;
+  std::vector<double> weights;
+  for (int r = -reach_; r <= reach_; ++r) {
+    for (int c = -reach_; c <= reach_; ++c) {
+      weights.push_back(std::exp(-0.5 * (r * r + c * c) / (blur_px * blur_px)));
+      sum += weights.back();
+    }
+  }
+  kernel_.resize(static_cast<std::size_t>(side * side));
+  std::transform(weights.begin(), weights.end(), kernel_.begin(), [&](double w) { return static_cast<float>(w / sum); });
+}
+
+void Rasterizer::spread(int row, int col, Image& image) const {
+  const int side = 2 * reach_ + 1, left = col - reach_;
+  const int first = std::max(0, -left), last = std::min(side, image.cols() - left);
+  for (int r = 0; r < side; ++r) {
+    const int y = row - reach_ + r;
+    if (y < 0 || y >= image.rows()) continue;
+    float* out = image.row(y) + left;
+    const float* weight = kernel_.data() + r * side;
+    for (int c = first; c < last; ++c) out[c] += weight[c];
+  }
+}
+
+int Rasterizer::draw(const ScanPoints& points, double theta, const ImageGrid& grid, Image& image) {
+  const int size = grid.size;
+  image.resize(size, size);
+  hit_.assign(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 0);
+  const auto mu = static_cast<float>(grid.pixels_per_m()), centre = 0.5F * static_cast<float>(size);
+  const float c = mu * static_cast<float>(std::cos(theta)), s = mu * static_cast<float>(std::sin(theta));
+  const auto dmax = static_cast<float>(grid.dmax_m);
+  int count = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!(points.range[i] < dmax)) continue;
+    const float x = c * points.x[i] - s * points.y[i] + centre, y = s * points.x[i] + c * points.y[i] + centre;
+    // De-skewed points may lie a little outside of the disc of their range.
+    if (!(x >= 0.0F && y >= 0.0F)) continue;
+    const int col = static_cast<int>(x), row = static_cast<int>(y);
+    if (col >= size || row >= size) continue;
+    std::uint8_t& hit = hit_[static_cast<std::size_t>(row) * static_cast<std::size_t>(size) + static_cast<std::size_t>(col)];
+    if (hit != 0) continue;
+    hit = 1;
+    ++count;
+    if (reach_ == 0) {
+      image.at(row, col) = 1.0F;
+    } else {
+      spread(row, col, image);
+    }
+  }
+  return count;
+}
+
+}  // namespace phasescan
