@@ -16,7 +16,7 @@ ImageGrid choose_grid(const ScanPoints& reference, const ImageOptions& options, 
   return grid;
 }
 
-Rasterizer::Rasterizer(double blur_px) {
+Rasterizer::Rasterizer(double blur_px, double connect_m) : connect_m_(static_cast<float>(connect_m)) {
   if (!(blur_px > 0.0)) return;
   reach_ = static_cast<int>(std::ceil(2.0 * blur_px));
   const int side = 2 * reach_ + 1;
@@ -44,6 +44,22 @@ void Rasterizer::spread(int row, int col, Image& image) const {
   }
 }
 
+bool Rasterizer::mark(float x, float y, Image& image) {
+  // De-skewed points may lie a little outside of the disc of their range.
+  if (!(x >= 0.0F && y >= 0.0F)) return false;
+  const int col = static_cast<int>(x), row = static_cast<int>(y);
+  if (col >= image.cols() || row >= image.rows()) return false;
+  std::uint8_t& hit = hit_[static_cast<std::size_t>(row) * static_cast<std::size_t>(image.cols()) + static_cast<std::size_t>(col)];
+  if (hit != 0) return false;
+  hit = 1;
+  if (reach_ == 0) {
+    image.at(row, col) = 1.0F;
+  } else {
+    spread(row, col, image);
+  }
+  return true;
+}
+
 int Rasterizer::draw(const ScanPoints& points, double theta, const ImageGrid& grid, Image& image) {
   const int size = grid.size;
   image.resize(size, size);
@@ -51,22 +67,25 @@ int Rasterizer::draw(const ScanPoints& points, double theta, const ImageGrid& gr
   const auto mu = static_cast<float>(grid.pixels_per_m()), centre = 0.5F * static_cast<float>(size);
   const float c = mu * static_cast<float>(std::cos(theta)), s = mu * static_cast<float>(std::sin(theta));
   const auto dmax = static_cast<float>(grid.dmax_m);
-  int count = 0;
+  const float longest = connect_m_ * mu;
+  float last_x = 0.0F, last_y = 0.0F;
+  int count = 0, last_beam = -10;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!(points.range[i] < dmax)) continue;
     const float x = c * points.x[i] - s * points.y[i] + centre, y = s * points.x[i] + c * points.y[i] + centre;
-    // De-skewed points may lie a little outside of the disc of their range.
-    if (!(x >= 0.0F && y >= 0.0F)) continue;
-    const int col = static_cast<int>(x), row = static_cast<int>(y);
-    if (col >= size || row >= size) continue;
-    std::uint8_t& hit = hit_[static_cast<std::size_t>(row) * static_cast<std::size_t>(size) + static_cast<std::size_t>(col)];
-    if (hit != 0) continue;
-    hit = 1;
-    ++count;
-    if (reach_ == 0) {
-      image.at(row, col) = 1.0F;
-    } else {
-      spread(row, col, image);
+    count += mark(x, y, image);
+    if (longest > 0.0F) {
+      const float dx = x - last_x, dy = y - last_y, squared = dx * dx + dy * dy;
+      if (points.beam[i] - last_beam <= 2 && squared > 2.0F && squared <= longest * longest) {
+        const int steps = static_cast<int>(std::sqrt(squared) * 1.2F) + 1;
+        for (int k = 1; k < steps; ++k) {
+          const float share = static_cast<float>(k) / static_cast<float>(steps);
+          count += mark(last_x + share * dx, last_y + share * dy, image);
+        }
+      }
+      last_x = x;
+      last_y = y;
+      last_beam = points.beam[i];
     }
   }
   return count;

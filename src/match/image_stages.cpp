@@ -8,13 +8,10 @@ ImageStages::ImageStages(const MatchOptions& options, int size, bool use_missing
     : options_(options),
       size_(size),
       use_missing_(use_missing),
-      rasterizer_(options.image.blur_px),
+      rasterizer_(options.image.blur_px, options.image.connect_m),
       transform_(size, options.spectrum.window),
       rotation_(size, options.spectrum, options.rotation),
-      translation_(size, options.translation) {
-  // The reference image's spectrum serves rotation and translation alike, unless one of them wants it otherwise.
-  shared_spectrum_ = translation_.two_dimensional() && options.spectrum.window == ImageWindow::kNone;
-}
+      translation_(size, options.translation) {}
 
 void ImageStages::prepare(const Scan& scan, const ScanPoints& points, ImageReference& out, MatchTimes& ms) {
   StageClock clock;
@@ -26,21 +23,20 @@ void ImageStages::prepare(const Scan& scan, const ScanPoints& points, ImageRefer
                  out.missing);
     clock.add_to(ms.missing);
   }
-  translation_.describe(image_, out.translation);
-  out.polar.clear();
+  transform_.forward(image_, out.spectrum);
+  clock.add_to(ms.rotation);
+  // One FFT of the reference serves rotation and translation, unless one of them wants it otherwise.
+  if (translation_.two_dimensional() && options_.spectrum.window == ImageWindow::kNone) {
+    translation_.describe(out.spectrum, out.translation);
+  } else {
+    translation_.describe(image_, out.translation);
+  }
   clock.add_to(ms.translation);
 }
 
-void ImageStages::finish(const ScanPoints& points, ImageReference& reference, MatchTimes& ms) {
+void ImageStages::finish(ImageReference& reference, MatchTimes& ms) {
   StageClock clock;
-  if (shared_spectrum_) {
-    rotation_.describe(reference.translation.values, reference.polar);
-  } else {
-    rasterizer_.draw(points, 0.0, reference.grid, image_);
-    clock.add_to(ms.image);
-    transform_.forward(image_, spectrum_);
-    rotation_.describe(spectrum_, reference.polar);
-  }
+  rotation_.describe(reference.spectrum, reference.polar);
   clock.add_to(ms.rotation);
 }
 

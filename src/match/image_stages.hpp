@@ -16,8 +16,9 @@ namespace phasescan {
 struct ImageReference {
   ImageGrid grid;
   MissingFeatures missing;
+  ComplexBuffer spectrum;  ///< of the image, as the rotation reads it
   TranslationSpectrum translation;
-  PolarDescriptor polar;  ///< empty until `finish` was called
+  PolarDescriptor polar;
 };
 
 /// A pose by correlation.
@@ -33,10 +34,10 @@ class ImageStages {
   /// @param size  side of the scan images [px]
   ImageStages(const MatchOptions& options, int size, bool use_missing);
 
-  /// Grid, missing-data features and translation spectrum of a reference.
+  /// Grid, missing-data features and spectra of a reference.
   void prepare(const Scan& scan, const ScanPoints& points, ImageReference& out, MatchTimes& ms);
   /// What only the spectral rotation needs, so that a match that goes without it does not pay for it.
-  void finish(const ScanPoints& points, ImageReference& reference, MatchTimes& ms);
+  void finish(ImageReference& reference, MatchTimes& ms);
 
   /// Step 2: the rotation by missing data, if it is sure.
   std::optional<double> rotation_from_missing(const ImageReference& reference, const Scan& scan, MatchTimes& ms);
@@ -49,7 +50,7 @@ class ImageStages {
  private:
   MatchOptions options_;
   int size_;
-  bool use_missing_, shared_spectrum_;
+  bool use_missing_;
   Rasterizer rasterizer_;
   ImageTransform transform_;
   SpectralRotation rotation_;

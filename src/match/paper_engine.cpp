@@ -53,7 +53,7 @@ class PaperEngine final : public MatchEngine {
     MatchTimes ms;
     auto data = std::make_shared<PaperReference>(options_.match.method);
     prepare_into(reference, twist, *data, ms);
-    if (images_ && enough(data->points)) images_->finish(data->points, data->image, ms);
+    if (images_ && enough(data->points)) images_->finish(data->image, ms);
     return data;
   }
 
@@ -91,12 +91,12 @@ class PaperEngine final : public MatchEngine {
     if (!enough(reference.points) || !enough(points_)) return result;
 
     if (!steps_.image) {
-      refine(reference, hints.guess ? 0.0 : options_.icp.gate_start_m, result);
+      refine(reference, hints.guess ? options_.icp.gate_guess_m : options_.icp.gate_start_m, result);
       return result;
     }
     if (hints.guess) {
       if (steps_.icp) {
-        refine(reference, 0.0, result);
+        refine(reference, options_.icp.gate_guess_m, result);
       } else {
         accept(images_->translate(reference.image, points_, hints.guess->theta, false, result.ms), RotationSource::kGuess, result);
       }
@@ -106,11 +106,11 @@ class PaperEngine final : public MatchEngine {
       const std::optional<double> theta = images_->rotation_from_missing(reference.image, scan, result.ms);
       if (theta) {
         accept(images_->translate(reference.image, points_, *theta, false, result.ms), RotationSource::kMissingData, result);
-        if (result.usable) refine(reference, 0.0, result);
+        if (result.usable) refine(reference, options_.icp.gate_guess_m, result);
         if (result.usable || !options_.missing.verify) return result;
       }
     }
-    if (unfinished != nullptr) images_->finish(unfinished->points, unfinished->image, result.ms);
+    if (unfinished != nullptr) images_->finish(unfinished->image, result.ms);
     ImageEstimate best;
     for (const RotationCandidate& candidate : images_->rotations_from_spectrum(reference.image, points_, result.ms)) {
       const ImageEstimate estimate =
@@ -118,7 +118,7 @@ class PaperEngine final : public MatchEngine {
       if (estimate.score > best.score) best = estimate;
     }
     accept(best, RotationSource::kSpectrum, result);
-    if (result.usable && steps_.icp) refine(reference, 0.0, result);
+    if (result.usable && steps_.icp) refine(reference, options_.icp.gate_guess_m, result);
     return result;
   }
 

@@ -8,7 +8,7 @@ namespace phasescan {
 
 template <>
 std::span<const std::string_view> enum_names<TranslationMode>() {
-  static constexpr std::array<std::string_view, 4> kNames{"correlation-2d", "phase-2d", "projections", "projections-phase"};
+  static constexpr std::array<std::string_view, 2> kNames{"image", "projections"};
   return kNames;
 }
 
@@ -20,12 +20,12 @@ double parabola_peak(double left, double centre, double right) {
 
 namespace {
 
-RealFft make_fft(int size, bool two_dimensional) {
-  return two_dimensional ? RealFft::image(size, size) : RealFft::rows(2, size);
+RealFft make_fft(int size, TranslationMode mode) {
+  return mode == TranslationMode::kImage ? RealFft::image(size, size) : RealFft::rows(2, size);
 }
 
 /// out = a * conj(b), or a * b for the twin.
-void multiply(const ComplexBuffer& a, const ComplexBuffer& b, bool twin, bool whiten, ComplexBuffer& out) {
+void multiply(const ComplexBuffer& a, const ComplexBuffer& b, bool twin, ComplexBuffer& out) {
   out.resize(a.size());
   const auto* pa = reinterpret_cast<const float*>(a.data());
   const auto* pb = reinterpret_cast<const float*>(b.data());
@@ -36,10 +36,30 @@ void multiply(const ComplexBuffer& a, const ComplexBuffer& b, bool twin, bool wh
     po[i] = pa[i] * br + pa[i + 1] * bi;
     po[i + 1] = pa[i + 1] * br - pa[i] * bi;
   }
-  if (!whiten) return;
-  for (auto& value : out) {
-    const float length = std::abs(value);
-    value = length > 0.0F ? value / length : std::complex<float>(0.0F, 0.0F);
+}
+
+/// Divides each coefficient by its magnitude to the power `whitening`.
+/// Magnitudes below 1e-6 of anything an image of ones and zeros can have are rounding, and stay.
+void divide_by_magnitude(ComplexBuffer& values, double whitening) {
+  constexpr float kTiny = 1e-12F;
+  auto* v = reinterpret_cast<float*>(values.data());
+  const std::size_t n = 2 * values.size();
+  const auto squared = [&](std::size_t i) { return v[i] * v[i] + v[i + 1] * v[i + 1] + kTiny; };
+  if (whitening == 1.0 || whitening == 0.5) {
+    const bool half = whitening == 0.5;
+    for (std::size_t i = 0; i < n; i += 2) {
+      const float magnitude = std::sqrt(squared(i));
+      const float scale = 1.0F / (half ? std::sqrt(magnitude) : magnitude);
+      v[i] *= scale;
+      v[i + 1] *= scale;
+    }
+  } else {
+    const auto power = static_cast<float>(-0.5 * whitening);
+    for (std::size_t i = 0; i < n; i += 2) {
+      const float scale = std::pow(squared(i), power);
+      v[i] *= scale;
+      v[i + 1] *= scale;
+    }
   }
 }
 
@@ -67,47 +87,60 @@ double unwrapped(double shift, int n) {
 }  // namespace
 
 TranslationEstimator::TranslationEstimator(int size, const TranslationOptions& options)
-    : size_(size),
-      options_(options),
-      two_dimensional_(options.mode == TranslationMode::kCorrelation2d || options.mode == TranslationMode::kPhase2d),
-      whiten_(options.mode == TranslationMode::kPhase2d || options.mode == TranslationMode::kProjectionsPhase),
-      fft_(make_fft(size, two_dimensional_)) {}
+    : size_(size), options_(options), fft_(make_fft(size, options.mode)) {}
+
+void TranslationEstimator::whiten(TranslationSpectrum& spectrum) const {
+  if (options_.whitening > 0.0) divide_by_magnitude(spectrum.values, options_.whitening);
+  // Parseval; columns 1 .. size/2 - 1 of a half spectrum stand for two coefficients each.
+  const std::size_t half = static_cast<std::size_t>(size_) / 2 + 1, rows = spectrum.values.size() / half;
+  const double samples = two_dimensional() ? static_cast<double>(size_) * size_ : size_;
+  spectrum.energy[0] = spectrum.energy[1] = 0.0;
+  for (std::size_t r = 0; r < rows; ++r) {
+    const auto* row = reinterpret_cast<const float*>(spectrum.values.data() + r * half);
+    float lanes[8] = {};
+    std::size_t i = 0;
+    for (; i + 8 <= 2 * half; i += 8) {
+      for (std::size_t k = 0; k < 8; ++k) lanes[k] += row[i + k] * row[i + k];
+    }
+    float sum = 0.0F;
+    for (; i < 2 * half; ++i) sum += row[i] * row[i];
+    for (const float lane : lanes) sum += lane;
+    const double edges = static_cast<double>(row[0] * row[0] + row[1] * row[1] + row[2 * half - 2] * row[2 * half - 2] +
+                                             row[2 * half - 1] * row[2 * half - 1]);
+    spectrum.energy[two_dimensional() ? 0 : r] += (2.0 * static_cast<double>(sum) - edges) / samples;
+  }
+}
+
+void TranslationEstimator::describe(const ComplexBuffer& half_spectrum, TranslationSpectrum& out) {
+  out.values = half_spectrum;
+  whiten(out);
+}
 
 void TranslationEstimator::describe(const Image& image, TranslationSpectrum& out) {
-  const auto n = static_cast<std::size_t>(size_);
-  out.energy[0] = out.energy[1] = 0.0;
-  if (two_dimensional_) {
+  if (two_dimensional()) {
     fft_.forward(image.pixels(), out.values);
+  } else {
+    // Projections onto x and y ([Jiang19] Eq. 22-25).
+    const auto n = static_cast<std::size_t>(size_);
+    projections_.assign(2 * n, 0.0F);
     for (std::size_t r = 0; r < n; ++r) {
       const float* row = image.row(static_cast<int>(r));
-      float lanes[4] = {0.0F, 0.0F, 0.0F, 0.0F};
-      for (std::size_t c = 0; c < n; ++c) lanes[c % 4] += row[c] * row[c];
-      out.energy[0] += static_cast<double>(lanes[0] + lanes[1] + lanes[2] + lanes[3]);
+      for (std::size_t c = 0; c < n; ++c) {
+        projections_[c] += row[c];
+        projections_[n + r] += row[c];
+      }
     }
-    return;
+    fft_.forward(projections_, out.values);
   }
-  // Projections onto x and y ([Jiang19] Eq. 22-25).
-  projections_.assign(2 * n, 0.0F);
-  for (std::size_t r = 0; r < n; ++r) {
-    const float* row = image.row(static_cast<int>(r));
-    for (std::size_t c = 0; c < n; ++c) {
-      projections_[c] += row[c];
-      projections_[n + r] += row[c];
-    }
-  }
-  for (std::size_t i = 0; i < 2 * n; ++i) {
-    out.energy[i / n] += static_cast<double>(projections_[i]) * static_cast<double>(projections_[i]);
-  }
-  fft_.forward(projections_, out.values);
+  whiten(out);
 }
 
 TranslationPeak TranslationEstimator::peak(const TranslationSpectrum& reference, const TranslationSpectrum& scan, bool twin) {
-  multiply(reference.values, scan.values, twin, whiten_, product_);
+  multiply(reference.values, scan.values, twin, product_);
   fft_.inverse(product_, correlation_);
   const int n = size_;
   const double back = twin ? 1.0 : 0.0;
   const auto quality = [&](float value, int axis) {
-    if (whiten_) return static_cast<double>(value);
     const double energy = std::sqrt(reference.energy[axis] * scan.energy[axis]);
     return energy > 0.0 ? static_cast<double>(value) / energy : 0.0;
   };
@@ -115,7 +148,7 @@ TranslationPeak TranslationEstimator::peak(const TranslationSpectrum& reference,
     return options_.subpixel ? parabola_peak(static_cast<double>(left), static_cast<double>(centre), static_cast<double>(right)) : 0.0;
   };
   TranslationPeak found;
-  if (two_dimensional_) {
+  if (two_dimensional()) {
     const auto best = static_cast<int>(highest(correlation_.data(), correlation_.size()));
     const int row = best / n, col = best % n;
     const auto at = [&](int r, int c) { return correlation_[static_cast<std::size_t>(wrapped(r, n) * n + wrapped(c, n))]; };

@@ -17,6 +17,7 @@ struct ImageOptions {
   double dmax_m = 6.0;
   double adaptive_factor = 1.1;
   double blur_px = 1.0;
+  double connect_m = 0.5;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -27,6 +28,8 @@ struct ImageOptions {
       OptionInfo{"", "the image shows this times the reference's 95th percentile range, at least dmax_m; 0: always dmax_m",
                  0, 10});
     v("blur_px", self.blur_px, OptionInfo{"px", "Gaussian blur of the binary image; 0: none", 0, 8});
+    v("connect_m", self.connect_m,
+      OptionInfo{"m", "neighbouring hits up to this far apart are joined by a line, so that far walls weigh like near ones", 0, 100});
   }
 };
 
@@ -46,7 +49,7 @@ ImageGrid choose_grid(const ScanPoints& reference, const ImageOptions& options, 
 /// Draws scan points into an image. One object per thread; allocates nothing once its buffers have their size.
 class Rasterizer {
  public:
-  explicit Rasterizer(double blur_px = 0.0);
+  explicit Rasterizer(double blur_px = 0.0, double connect_m = 0.0);
 
   /// Draws the points turned by `theta` about the sensor: points are turned and drawn again, never the image.
   ///
@@ -56,8 +59,11 @@ class Rasterizer {
   int draw(const ScanPoints& points, double theta, const ImageGrid& grid, Image& image);
 
  private:
+  /// Marks the pixel at (x, y) [px]; true if it was not marked before.
+  bool mark(float x, float y, Image& image);
   void spread(int row, int col, Image& image) const;
 
+  float connect_m_;
   int reach_ = 0;               ///< half width of the kernel [px]
   std::vector<float> kernel_;   ///< (2 reach + 1)^2, sum 1
   std::vector<std::uint8_t> hit_;

@@ -14,8 +14,9 @@ namespace phasescan {
 /// Section `icp`. [Jiang19] uses every closest point (gate 0, trim 1); rejecting far pairs is the largest single gain.
 struct IcpOptions {
   int max_iterations = 200;
-  double gate_m = 0.3;
+  double gate_m = 0.1;
   double gate_start_m = 1.0;
+  double gate_guess_m = 0.3;
   double gate_shrink = 0.8;
   double trim = 1.0;
   double tolerance_m = 1e-4;
@@ -28,6 +29,8 @@ struct IcpOptions {
     v("gate_m", self.gate_m, OptionInfo{"m", "closest points farther apart are no pair; 0: every pair counts", 0, 1000});
     v("gate_start_m", self.gate_start_m,
       OptionInfo{"m", "gate of the first iteration where there is no first estimate", 0, 1000});
+    v("gate_guess_m", self.gate_guess_m,
+      OptionInfo{"m", "gate of the first iteration from a guess or from the FFT's estimate", 0, 1000});
     v("gate_shrink", self.gate_shrink, OptionInfo{"", "factor of the gate per iteration, until gate_m", 0.01, 1});
     v("trim", self.trim, OptionInfo{"", "share of the pairs kept, the nearest first", 0.05, 1});
     v("tolerance_m", self.tolerance_m, OptionInfo{"m", "converged when an iteration moves less", 0, 1});
