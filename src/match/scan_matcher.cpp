@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "match/engine.hpp"
+#include "match/mh_engine.hpp"
 #include "match/paper_engine.hpp"
 #include "match/stage_clock.hpp"
 
@@ -24,9 +25,9 @@ std::unique_ptr<MatchEngine> make_engine(const MatchOptions& options) {
     case MatchMethod::kFftIcp2:
       return make_paper_engine(options);
     case MatchMethod::kFftMh:
-      break;
+      return make_mh_engine(options);
   }
-  throw std::invalid_argument("match.method: " + std::string(to_string(options.match.method)) + " is not available");
+  throw std::invalid_argument("match.method: not a method");
 }
 
 void check_twist(const char* name, const Twist2& twist) {

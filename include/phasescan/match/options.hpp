@@ -3,6 +3,7 @@
 
 #include "phasescan/core/options.hpp"
 #include "phasescan/image/rasterize.hpp"
+#include "phasescan/match/mh_options.hpp"
 #include "phasescan/refine/icp.hpp"
 #include "phasescan/rotation/from_spectrum.hpp"
 #include "phasescan/scan/missing.hpp"
@@ -41,6 +42,7 @@ struct MatchOptions {
   RotationOptions rotation;
   TranslationOptions translation;
   IcpOptions icp;
+  MhOptions mh;
 
   /// Calls v(section_name, section_struct) for each stage, in the order of the pipeline.
   template <class Self, class Visitor>
@@ -52,6 +54,7 @@ struct MatchOptions {
     v("rotation", self.rotation);
     v("translation", self.translation);
     v("icp", self.icp);
+    v("mh", self.mh);
   }
 
   /// @throws std::invalid_argument naming section, field and bounds.

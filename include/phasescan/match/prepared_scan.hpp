@@ -1,0 +1,48 @@
+/// Everything fft-mh wants to know of one scan, found once: reference and scan are prepared alike.
+#pragma once
+
+#include <vector>
+
+#include "phasescan/image/score_table.hpp"
+#include "phasescan/refine/nearest_grid.hpp"
+#include "phasescan/refine/point_to_line.hpp"
+#include "phasescan/rotation/from_normals.hpp"
+#include "phasescan/scan/bearing_table.hpp"
+#include "phasescan/scan/surface.hpp"
+
+namespace phasescan {
+
+/// Values all stages share; lengths that must fit the place follow from `scale_m`.
+struct PreparedScan {
+  SurfacePoints surface;
+  BearingTable bearings;
+  NearestGrid nearest;
+  ScoreTable table;
+  NormalHistogram normals;
+  std::vector<int> sparse;  ///< hits evenly spaced along the surfaces, for the coarse sweep
+  std::vector<int> middle;  ///< the same, more of them, for refinement and evidence
+  double scale_m = 0.0;     ///< size of the place in the eyes of the sensor: sets cells and gates
+  double range_max_m = 0.0; ///< effective reach of the sensor
+
+  SurfaceModel model() const { return {surface, nearest}; }
+  std::size_t size() const { return surface.size(); }
+};
+
+/// What of a scan is prepared.
+struct PrepareOptions {
+  int sparse_points = 64;
+  int middle_points = 128;
+  double min_empty_run_rad = 0.0873;
+  bool with_table = true;    ///< the coarse table is needed of the reference only
+  ScoreTableValues values;
+};
+
+struct PrepareWorkspace {
+  SurfaceWorkspace surface;
+  BearingWorkspace bearings;
+};
+
+/// @cost about 50 us for 360 beams, linear in beams
+void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& options, PrepareWorkspace& work, PreparedScan& out);
+
+}  // namespace phasescan

@@ -1,0 +1,69 @@
+/// The hits of a scan with the surface they lie on: normals, noise, and how much wall each beam stands for.
+#pragma once
+
+#include <vector>
+
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/scan/scan.hpp"
+
+namespace phasescan {
+
+/// Standard deviation of a range: max(floor_m, per_metre * range).
+struct RangeNoise {
+  float floor_m = 0.01F;
+  float per_metre = 0.01F;
+
+  float sigma(float range) const {
+    const float grows = per_metre * range;
+    return grows > floor_m ? grows : floor_m;
+  }
+};
+
+/// A hit and the line that its neighbours and it lie on: what inner loops read, in half a cache line.
+struct SurfacePoint {
+  float x = 0, y = 0;            ///< the hit [m]
+  float line_x = 0, line_y = 0;  ///< the hit moved onto the line [m]
+  float nx = 0, ny = 0;          ///< unit normal towards the sensor; (0, 0) where no line fits
+  float length = 0;              ///< length of surface the beam stands for [m]
+  float variance = 0;            ///< of the hit along the normal, from the range noise [m^2]
+
+  bool has_normal() const { return nx != 0.0F || ny != 0.0F; }
+};
+
+/// Hits in order of direction, in the sensor frame at the scan's stamp.
+struct SurfacePoints {
+  std::vector<SurfacePoint> points;
+  std::vector<float> range;            ///< [m]
+  std::vector<float> sigma;            ///< standard deviation of the range [m]
+  std::vector<float> normal_variance;  ///< of the normal's direction, from the noise and the fitted length [rad^2]
+  std::vector<int> beam;               ///< index into the scan
+  RangeNoise noise;                    ///< estimated from the scan itself
+  double extent = 0.0;                 ///< range that 95 % of the hits do not exceed [m]
+  double spacing = 0.0;                ///< mean angle between beams [rad]
+
+  std::size_t size() const { return points.size(); }
+  const SurfacePoint& operator[](std::size_t i) const { return points[i]; }
+};
+
+/// Buffers of `find_surface`, kept between calls.
+struct SurfaceWorkspace {
+  std::vector<double> angle;
+  std::vector<int> order;
+  std::vector<double> cos_angle, sin_angle;
+  std::vector<double> sums;        ///< prefix sums of 1, x, y, xx, xy, yy
+  std::vector<int> segment_begin, segment_end;
+  std::vector<float> scratch, scratch2;
+};
+
+/// Beams of a scan in order of direction, counter-clockwise: `order` holds beam indices, `angle` their directions [rad].
+void sort_beams(const Scan& scan, SurfaceWorkspace& work);
+
+/// Finds points, noise and normals of a scan.
+///
+/// Lines are fitted to the neighbours in direction on the same surface, over a length that grows with noise and range; at a
+/// corner the side that fits better is taken. The noise is read off the second differences of the ranges.
+/// A twist other than zero removes the motion during the turn (see scan_to_points).
+/// @cost O(n log n) at worst (unsorted per-beam angles), O(n) for regular scans.
+void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work, SurfacePoints& out);
+
+}  // namespace phasescan

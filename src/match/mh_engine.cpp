@@ -1,0 +1,117 @@
+#include "match/mh_engine.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "match/stage_clock.hpp"
+#include "phasescan/match/confidence.hpp"
+#include "phasescan/match/multi_hypothesis.hpp"
+
+namespace phasescan {
+namespace {
+
+constexpr double kMostVariance = 1e6;
+constexpr double kSlides_m = 0.05;  // less certain than this along some direction: a corridor, where the pose may slide
+
+struct MhReference final : Reference::Data {
+  MhReference() : Data(MatchMethod::kFftMh) {}
+  PreparedScan prepared;
+};
+
+class MhEngine final : public MatchEngine {
+ public:
+  explicit MhEngine(const MatchOptions& options) : options_(options), search_(options.mh), own_(std::make_shared<MhReference>()) {
+    prepare_.sparse_points = options.mh.sparse_points;
+    prepare_.middle_points = options.mh.middle_points;
+  }
+
+  MatchResult match(const Scan& reference, const Scan& scan, const MatchHints& hints) override {
+    MatchTimes ms;
+    StageClock clock;
+    prepare_scan(reference, hints.reference_twist, prepare_, work_, own_->prepared);
+    clock.add_to(ms.image);
+    return match_prepared(own_->prepared, scan, hints, ms);
+  }
+
+  std::shared_ptr<const Reference::Data> prepare(const Scan& reference, const Twist2& twist) override {
+    auto data = std::make_shared<MhReference>();
+    prepare_scan(reference, twist, prepare_, work_, data->prepared);
+    return data;
+  }
+
+  MatchResult match(const Reference::Data& reference, const Scan& scan, const MatchHints& hints) override {
+    return match_prepared(static_cast<const MhReference&>(reference).prepared, scan, hints, {});
+  }
+
+ private:
+  MatchResult match_prepared(const PreparedScan& reference, const Scan& scan, const MatchHints& hints, const MatchTimes& ms) {
+    MatchResult result;
+    result.ms = ms;
+    result.T_ref_scan = hints.guess.value_or(Pose2{});
+    result.rotation_source = hints.guess ? RotationSource::kGuess : RotationSource::kNone;
+    result.confidence = 0.0;
+    StageClock clock;
+    PrepareOptions without_table = prepare_;
+    without_table.with_table = false;
+    prepare_scan(scan, hints.scan_twist, without_table, work_, scan_);
+    clock.add_to(result.ms.image);
+    const auto least = static_cast<std::size_t>(options_.match.min_points);
+    if (reference.size() < least || scan_.size() < least) return result;
+
+    search_.run(reference, scan_, hints.guess, outcome_);
+    clock.add_to(result.ms.refine);
+    if (outcome_.hypotheses.empty()) {
+      result.status = MatchStatus::kNoPeak;
+      return result;
+    }
+    const Hypothesis& best = outcome_.hypotheses.front();
+    result.T_ref_scan = best.T_ref_scan;
+    result.rotation_source = best.source;
+    result.iterations = outcome_.refined.iterations;
+    result.overlap = std::clamp(outcome_.evidence.matched / std::max(outcome_.evidence.hits, 1), 0.0, 1.0);
+    result.covariance = covariance(outcome_.refined.information);
+    result.confidence = confidence_of(confidence_features(reference, scan_, outcome_));
+    result.ambiguous = outcome_.margin < 0.05 || outcome_.profile < 0.01 || weakest_sigma(outcome_.refined.information) > kSlides_m;
+    for (std::size_t k = 1; k < outcome_.hypotheses.size(); ++k) {
+      const double less = std::max(best.score - outcome_.hypotheses[k].score, 0.0);
+      result.alternatives.push_back({outcome_.hypotheses[k].T_ref_scan, *result.confidence * std::exp(-20.0 * less)});
+    }
+    const bool likely = *result.confidence > options_.match.min_confidence;
+    result.usable = likely && !result.ambiguous;
+    result.status = result.ambiguous ? MatchStatus::kAmbiguous : likely ? MatchStatus::kConverged : MatchStatus::kLowConfidence;
+    return result;
+  }
+
+  // Standard deviation of the translation in its weakest direction, the rotation unknown as well.
+  static double weakest_sigma(const Eigen::Matrix3d& information) {
+    const Eigen::Vector2d coupling = information.topRightCorner<2, 1>();
+    const Eigen::Matrix2d marginal =
+        information.topLeftCorner<2, 2>() - coupling * coupling.transpose() / std::max(information(2, 2), 1e-9);
+    const double trace = marginal.trace();
+    const double det = marginal(0, 0) * marginal(1, 1) - marginal(0, 1) * marginal(1, 0);
+    const double weak = 0.5 * (trace - std::sqrt(std::max(trace * trace - 4.0 * det, 0.0)));
+    return 1.0 / std::sqrt(std::max(weak, 1.0 / kMostVariance));
+  }
+
+  // What the information leaves open is wide, never infinite and never negative.
+  static Eigen::Matrix3d covariance(const Eigen::Matrix3d& information) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
+    const Eigen::Vector3d inflated = (2.0 * eigen.eigenvalues().cwiseMax(1.0 / kMostVariance).cwiseInverse()).cwiseMin(kMostVariance);
+    return eigen.eigenvectors() * inflated.asDiagonal() * eigen.eigenvectors().transpose();
+  }
+
+  MatchOptions options_;
+  PrepareOptions prepare_;
+  MultiHypothesisSearch search_;
+  PrepareWorkspace work_;
+  std::shared_ptr<MhReference> own_;
+  PreparedScan scan_;
+  SearchOutcome outcome_;
+};
+
+}  // namespace
+
+std::unique_ptr<MatchEngine> make_mh_engine(const MatchOptions& options) { return std::make_unique<MhEngine>(options); }
+
+}  // namespace phasescan

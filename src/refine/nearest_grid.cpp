@@ -1,0 +1,88 @@
+#include "phasescan/refine/nearest_grid.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "refine/nearest_grid.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace phasescan {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// For each cell (given by its corner in the padded grid) and point index: the minimum of what is there and the key of that
+// point, over the square of 2 reach + 1 cells (the eighth lane lies outside the reach and gets the largest key).
+void SpreadKeys(const std::uint32_t* HWY_RESTRICT corner, const std::uint32_t* HWY_RESTRICT index, std::size_t count,
+                std::size_t stride, const std::uint32_t* HWY_RESTRICT pattern, std::uint32_t* HWY_RESTRICT keys) {
+  const hn::CappedTag<std::uint32_t, 8> d;
+  constexpr std::size_t kRows = 2 * NearestGrid::kReachCells + 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto id = hn::Set(d, index[k]);
+    std::uint32_t* row = keys + corner[k];
+    for (std::size_t r = 0; r < kRows; ++r, row += stride) {
+      for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(d)) {
+        const auto key = hn::Or(hn::LoadU(d, pattern + 8 * r + lane), id);
+        hn::StoreU(hn::Min(hn::LoadU(d, row + lane), key), d, row + lane);
+      }
+    }
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace phasescan
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace phasescan {
+HWY_EXPORT(SpreadKeys);
+
+namespace {
+
+constexpr int kReach = NearestGrid::kReachCells;
+constexpr std::uint32_t kNone = 127U << 25;
+
+std::array<std::uint32_t, 56> make_pattern() {
+  std::array<std::uint32_t, 56> pattern{};
+  for (int r = -kReach; r <= kReach; ++r) {
+    for (int c = -kReach; c <= kReach + 1; ++c) {
+      pattern[static_cast<std::size_t>((r + kReach) * 8 + c + kReach)] = c > kReach ? kNone : static_cast<std::uint32_t>(r * r + c * c) << 25;
+    }
+  }
+  return pattern;
+}
+
+}  // namespace
+
+void NearestGrid::build(std::span<const SurfacePoint> points, float half_width, float cell) {
+  static const auto kPattern = make_pattern();
+  thread_local std::vector<std::uint32_t> corners, indices;
+  const int inner = 2 * static_cast<int>(std::ceil(half_width / cell)) + 2;
+  const int n = inner + 2 * kReach + 2;
+  stride_ = static_cast<std::size_t>(n);
+  cell_ = cell;
+  inverse_cell_ = 1.0F / cell;
+  offset_ = 0.5F * static_cast<float>(n) * cell;
+  limit_ = static_cast<float>(n);
+  keys_.assign(stride_ * stride_ + 8, kNone);
+  corners.clear();
+  indices.clear();
+  std::uint32_t last = ~0U;
+  const float low = static_cast<float>(kReach), high = static_cast<float>(n - kReach - 1);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float u = (points[i].x + offset_) * inverse_cell_, v = (points[i].y + offset_) * inverse_cell_;
+    if (!(u >= low && v >= low && u < high && v < high)) continue;
+    const auto corner = (static_cast<std::uint32_t>(v) - kReach) * static_cast<std::uint32_t>(stride_) + static_cast<std::uint32_t>(u) - kReach;
+    if (corner == last) continue;
+    last = corner;
+    corners.push_back(corner);
+    indices.push_back(static_cast<std::uint32_t>(i + 1));
+  }
+  HWY_DYNAMIC_DISPATCH(SpreadKeys)(corners.data(), indices.data(), corners.size(), stride_, kPattern.data(), keys_.data());
+}
+
+}  // namespace phasescan
+#endif
