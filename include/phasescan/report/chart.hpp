@@ -24,9 +24,9 @@ struct Series {
   SeriesKind kind = SeriesKind::kLine;
   std::string name;  ///< empty: not in the legend
   std::vector<double> x, y;
-  std::vector<double> low, high;  ///< whisker ends (kBars, kPoints, kLine), band edges or whiskers of boxes
-  std::vector<double> q1, q3;     ///< kBoxes
-  std::string color;              ///< empty: the next of the palette
+  std::vector<double> low = {}, high = {};  ///< whisker ends (kBars, kPoints, kLine), band edges or whiskers of boxes
+  std::vector<double> q1 = {}, q3 = {};  ///< kBoxes
+  std::string color = {};  ///< empty: the next of the palette
   double width = 1.6;             ///< of the line, or diameter of a dot [px]
   std::string dash = {};
   double opacity = 1.0;

@@ -1,0 +1,51 @@
+/// Runs methods over pairs of scans and keeps what the tables need.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "phasescan/eval/pair_outcome.hpp"
+#include "phasescan/match/options.hpp"
+
+namespace phasescan {
+
+/// One column of the comparison: a name and all options, the method among them.
+struct BenchMethod {
+  std::string name;
+  MatchOptions options;
+};
+
+/// Columns for methods by name ("icp,fft-icp2"), all with the same options otherwise.
+/// @throws std::invalid_argument for an unknown or doubled name, or none.
+std::vector<BenchMethod> bench_methods(const std::string& comma_separated, const MatchOptions& options);
+
+/// Gives the next pair, or nothing at the end.
+using PairSource = std::function<std::optional<ScanPair>()>;
+
+/// A source over pairs in memory; they must outlive it.
+PairSource pair_source(const std::vector<ScanPair>& pairs);
+
+/// How to run. Nothing of it changes an outcome but its times.
+struct BenchSettings {
+  int threads = 1;
+  int repeat = 1;  ///< matches per pair and method; the fastest one's times are kept
+  std::function<void(std::size_t pairs_done)> progress;
+};
+
+/// Outcomes pair by pair, method by method within a pair.
+struct BenchRun {
+  std::vector<PairOutcome> outcomes;
+  std::size_t pairs = 0;
+  double fft_ms = 0.0;  ///< CPU time of one 128 x 128 real-to-complex float FFT, median over the run
+};
+
+/// Matches every pair with every method. Memory: a block of 512 pairs at a time.
+/// @throws what the source throws; std::invalid_argument for options out of bounds.
+BenchRun run_bench(const PairSource& source, const std::vector<BenchMethod>& methods, const BenchSettings& settings = {});
+
+/// CPU time of one 128 x 128 real-to-complex float FFT: the median of `repeats` [ms].
+double time_reference_fft(int repeats = 101);
+
+}  // namespace phasescan

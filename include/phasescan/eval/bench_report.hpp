@@ -1,0 +1,39 @@
+/// A bench run as results.json, results.md and figures.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "phasescan/eval/bench.hpp"
+#include "phasescan/eval/pair_rows.hpp"
+#include "phasescan/report/chart.hpp"
+#include "phasescan/report/table.hpp"
+
+namespace phasescan {
+
+/// What a report says beside the numbers.
+struct BenchInfo {
+  std::string version;
+  std::vector<std::string> sources;  ///< files or simulated sets, as named by the user
+  bool times = true;                 ///< false: no time appears anywhere
+  int repeat = 1;
+};
+
+/// Everything of the run, machine-readable (schema: docs/RESULTS.md).
+std::string bench_json(const BenchRun& run, const std::vector<BenchMethod>& methods, const BenchInfo& info);
+
+/// Success and honesty, errors, times and confidence as Markdown.
+std::string bench_markdown(const BenchRun& run, const std::vector<BenchMethod>& methods, const BenchInfo& info);
+
+/// File name (without folder) -> SVG.
+std::map<std::string, std::string> bench_figures(const BenchRun& run, const std::vector<BenchMethod>& methods, const BenchInfo& info);
+
+/// The parts, for other reports.
+Table success_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods);
+Table error_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods);
+Table time_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods, double fft_ms);
+Chart success_chart(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods, const std::string& title);
+Chart overlap_chart(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods, const std::string& title);
+
+}  // namespace phasescan

@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "phasescan/eval/bench_report.hpp"
+
+namespace phasescan {
+namespace {
+
+Series method_series(const std::vector<BenchMethod>& methods, std::size_t m, SeriesKind kind) {
+  Series s;
+  s.kind = kind;
+  s.name = methods[m].name;
+  s.color = method_color(methods[m].name, m);
+  s.marker = method_marker(methods[m].name, m);
+  return s;
+}
+
+std::vector<const PairOutcome*> of_method(const std::vector<PairOutcome>& outcomes, std::size_t method) {
+  std::vector<const PairOutcome*> out;
+  for (const PairOutcome& o : outcomes) {
+    if (o.method == method) out.push_back(&o);
+  }
+  return out;
+}
+
+Chart time_chart(const BenchRun& run, const std::vector<BenchMethod>& methods) {
+  Chart chart;
+  chart.title = "CPU time per match";
+  chart.subtitle = "box: quartiles and median; whiskers: 5th and 99th percentile";
+  chart.x.categories = classes_in_order(run.outcomes);
+  chart.y.label = "ms";
+  chart.y.log = true;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    Series s = method_series(methods, m, SeriesKind::kBoxes);
+    for (std::size_t c = 0; c < chart.x.categories.size(); ++c) {
+      std::vector<double> ms;
+      for (const PairOutcome* o : of_method(run.outcomes, m)) {
+        if (o->cls == chart.x.categories[c]) ms.push_back(std::max(o->ms.total, 1e-4));
+      }
+      s.x.push_back(static_cast<double>(c));
+      s.low.push_back(quantile(ms, 0.05));
+      s.q1.push_back(quantile(ms, 0.25));
+      s.y.push_back(quantile(ms, 0.5));
+      s.q3.push_back(quantile(ms, 0.75));
+      s.high.push_back(quantile(ms, 0.99));
+    }
+    chart.series.push_back(std::move(s));
+  }
+  return chart;
+}
+
+/// Share of all pairs whose error is below x: failures keep the curve below 1.
+Chart error_chart(const BenchRun& run, const std::vector<BenchMethod>& methods, bool rotation) {
+  Chart chart;
+  chart.title = rotation ? "Rotation error" : "Translation error";
+  chart.x.label = rotation ? "error [deg]" : "error [m]";
+  chart.x.log = true;
+  chart.x.min = rotation ? 0.01 : 0.001;
+  chart.x.max = rotation ? 180.0 : 5.0;
+  chart.y.label = "share of pairs below [%]";
+  chart.y.min = 0.0;
+  chart.y.max = 100.0;
+  constexpr int kSteps = 120;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    Series s = method_series(methods, m, SeriesKind::kLine);
+    s.marker = Marker::kNone;
+    std::vector<double> errors;
+    for (const PairOutcome* o : of_method(run.outcomes, m)) {
+      if (o->has_truth) errors.push_back(rotation ? rad_to_deg(std::abs(o->error_theta)) : o->translation_error());
+    }
+    if (errors.empty()) continue;
+    std::sort(errors.begin(), errors.end());
+    for (int i = 0; i <= kSteps; ++i) {
+      const double x = *chart.x.min * std::pow(*chart.x.max / *chart.x.min, static_cast<double>(i) / kSteps);
+      const auto below = std::upper_bound(errors.begin(), errors.end(), x) - errors.begin();
+      s.x.push_back(x);
+      s.y.push_back(100.0 * static_cast<double>(below) / static_cast<double>(errors.size()));
+    }
+    chart.series.push_back(std::move(s));
+  }
+  const double limit = rotation ? kSuccessRotation_deg : kSuccessTranslation_m;
+  chart.series.push_back({SeriesKind::kLine, "", {limit, limit}, {0.0, 100.0}});
+  chart.series.back().color = std::string(palette::kMuted);
+  chart.series.back().width = 1.0;
+  chart.series.back().dash = "4 3";
+  return chart;
+}
+
+Chart reliability_chart(const BenchRun& run, const std::vector<BenchMethod>& methods) {
+  Chart chart;
+  chart.title = "Reliability of the confidence";
+  chart.subtitle = "whiskers: 95 % Wilson interval; the size of a bin is not shown";
+  chart.x.label = "mean confidence of the bin";
+  chart.y.label = "share right";
+  chart.x.min = chart.y.min = 0.0;
+  chart.x.max = chart.y.max = 1.0;
+  chart.equal = true;
+  chart.series.push_back({SeriesKind::kLine, "calibrated", {0, 1}, {0, 1}});
+  chart.series.back().color = std::string(palette::kGrey);
+  chart.series.back().dash = "4 3";
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    std::vector<Judgement> judgements;
+    for (const PairOutcome* o : of_method(run.outcomes, m)) {
+      if (o->confidence) judgements.push_back({*o->confidence, o->right});
+    }
+    if (judgements.empty()) continue;
+    Series s = method_series(methods, m, SeriesKind::kLine);
+    for (const ReliabilityBin& bin : reliability(judgements)) {
+      if (bin.n == 0) continue;
+      const auto right = static_cast<std::size_t>(std::lround(bin.right * static_cast<double>(bin.n)));
+      const Interval interval = wilson_interval(right, bin.n);
+      s.x.push_back(bin.confidence);
+      s.y.push_back(bin.right);
+      s.low.push_back(interval.low);
+      s.high.push_back(interval.high);
+    }
+    chart.series.push_back(std::move(s));
+  }
+  return chart;
+}
+
+bool any_confidence(const BenchRun& run) {
+  return std::any_of(run.outcomes.begin(), run.outcomes.end(), [](const PairOutcome& o) { return o.confidence.has_value(); });
+}
+
+}  // namespace
+
+Chart success_chart(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods, const std::string& title) {
+  Chart chart;
+  chart.title = title;
+  chart.y.label = "success [%]";
+  chart.y.min = 0.0;
+  chart.y.max = 100.0;
+  for (const PairRow& row : rows) {
+    if (row.with_truth == 0) continue;
+    if (std::find(chart.x.categories.begin(), chart.x.categories.end(), row.cls) == chart.x.categories.end()) {
+      chart.x.categories.push_back(row.cls);
+    }
+  }
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    Series s = method_series(methods, m, SeriesKind::kBars);
+    for (const PairRow& row : rows) {
+      if (row.method != m || row.with_truth == 0) continue;
+      const auto at = std::find(chart.x.categories.begin(), chart.x.categories.end(), row.cls) - chart.x.categories.begin();
+      s.x.push_back(static_cast<double>(at));
+      s.y.push_back(100.0 * row.success());
+      s.low.push_back(100.0 * row.interval.low);
+      s.high.push_back(100.0 * row.interval.high);
+    }
+    chart.series.push_back(std::move(s));
+  }
+  return chart;
+}
+
+Chart overlap_chart(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods, const std::string& title) {
+  constexpr int kBins = 8;
+  constexpr double kLowest = 0.2;
+  Chart chart;
+  chart.title = title;
+  chart.x.label = "overlap of the two scans at the true pose";
+  chart.y.label = "success [%]";
+  chart.x.min = kLowest - 0.02;
+  chart.x.max = 1.02;
+  chart.y.min = 0.0;
+  chart.y.max = 102.0;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    Series s = method_series(methods, m, SeriesKind::kLine);
+    std::vector<std::size_t> n(kBins, 0), right(kBins, 0);
+    for (const PairOutcome* o : of_method(outcomes, m)) {
+      if (!o->has_truth || !std::isfinite(o->overlap)) continue;
+      const double place = (o->overlap - kLowest) / (1.0 - kLowest) * kBins;
+      const auto bin = static_cast<std::size_t>(std::clamp(place, 0.0, kBins - 1.0));  // less than the lowest counts in the first
+      ++n[bin];
+      right[bin] += o->right;
+    }
+    for (std::size_t b = 0; b < n.size(); ++b) {
+      if (n[b] < 5) continue;
+      const Interval interval = wilson_interval(right[b], n[b]);
+      s.x.push_back(kLowest + (static_cast<double>(b) + 0.5) * (1.0 - kLowest) / kBins);
+      s.y.push_back(100.0 * static_cast<double>(right[b]) / static_cast<double>(n[b]));
+      s.low.push_back(100.0 * interval.low);
+      s.high.push_back(100.0 * interval.high);
+    }
+    chart.series.push_back(std::move(s));
+  }
+  return chart;
+}
+
+std::map<std::string, std::string> bench_figures(const BenchRun& run, const std::vector<BenchMethod>& methods, const BenchInfo& info) {
+  std::map<std::string, std::string> out;
+  if (run.outcomes.empty()) return out;
+  const std::vector<PairRow> rows = pair_rows(run.outcomes), totals = pair_totals(run.outcomes);
+  Figure success;
+  success.title = "Success: within 0.1 m and 3 deg, with 95 % Wilson intervals";
+  success.cell_width = 420.0;
+  for (const std::string& dataset : datasets_in_order(run.outcomes)) {
+    std::vector<PairRow> of_dataset;
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(of_dataset), [&](const PairRow& r) { return r.dataset == dataset; });
+    Chart chart = success_chart(of_dataset, methods, dataset);
+    if (!chart.x.categories.empty()) success.charts.push_back(std::move(chart));
+  }
+  if (!success.charts.empty()) {
+    out["success.svg"] = success.svg();
+    out["overlap.svg"] = overlap_chart(run.outcomes, methods, "Success against overlap").svg(560.0, 360.0);
+    Figure errors;
+    errors.cell_width = 420.0;
+    errors.charts = {error_chart(run, methods, false), error_chart(run, methods, true)};
+    out["errors.svg"] = errors.svg();
+  }
+  if (info.times) out["time.svg"] = time_chart(run, methods).svg(640.0, 380.0);
+  if (any_confidence(run)) out["reliability.svg"] = reliability_chart(run, methods).svg(420.0, 460.0);
+  return out;
+}
+
+}  // namespace phasescan

@@ -1,1 +1,0 @@
-#include "phasescan/io/pairs.hpp"

@@ -1,0 +1,74 @@
+#include "phasescan/eval/pair_outcome.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "phasescan/scan/points.hpp"
+
+namespace phasescan {
+namespace {
+
+/// Share of the points p that lie near one of the points q; gates[i] belongs to q_i, squared [m^2].
+double share_near(const ScanPoints& p, const Pose2& T_q_p, const ScanPoints& q, const std::vector<float>& squared_gates) {
+  std::size_t near = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const Eigen::Vector2f at = (T_q_p * Eigen::Vector2d(p.x[i], p.y[i])).cast<float>();
+    bool found = false;
+    for (std::size_t k = 0; k < q.size() && !found; ++k) {
+      const float dx = q.x[k] - at.x(), dy = q.y[k] - at.y();
+      found = dx * dx + dy * dy < squared_gates[k];
+    }
+    near += found;
+  }
+  return static_cast<double>(near) / static_cast<double>(p.size());
+}
+
+std::vector<float> squared_gates(const ScanPoints& points, const Scan& scan) {
+  const double n = static_cast<double>(scan.size());
+  const double step = scan.angles.empty() ? std::abs(scan.geometry.angle_increment) : kTwoPi / n;
+  std::vector<float> out(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double gate = 0.1 + 1.5 * step * static_cast<double>(points.range[i]);
+    out[i] = static_cast<float>(gate * gate);
+  }
+  return out;
+}
+
+}  // namespace
+
+double PairOutcome::translation_error() const { return std::hypot(error_x, error_y); }
+
+PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t method, double overlap) {
+  PairOutcome out;
+  out.dataset = pair.dataset;
+  out.cls = pair.cls;
+  out.method = method;
+  out.usable = result.usable;
+  out.confidence = result.confidence;
+  out.ambiguous = result.ambiguous;
+  out.rotation_source = result.rotation_source;
+  out.ms = result.ms;
+  if (!pair.truth) return out;
+  out.has_truth = true;
+  out.overlap = overlap;
+  out.error_x = result.T_ref_scan.x - pair.truth->x;
+  out.error_y = result.T_ref_scan.y - pair.truth->y;
+  out.error_theta = wrap_angle(result.T_ref_scan.theta - pair.truth->theta);
+  out.right = out.translation_error() < kSuccessTranslation_m && std::abs(out.error_theta) < deg_to_rad(kSuccessRotation_deg);
+  const Eigen::Vector3d e(out.error_x, out.error_y, out.error_theta);
+  const Eigen::FullPivLU<Eigen::Matrix3d> lu(result.covariance);
+  if (lu.isInvertible()) out.nees = e.dot(lu.solve(e));
+  return out;
+}
+
+double scan_overlap(const Scan& reference, const Scan& scan, const Pose2& T_ref_scan) {
+  ScanPoints a, b;
+  scan_to_points(reference, a);
+  scan_to_points(scan, b);
+  if (a.size() == 0 || b.size() == 0) return 0.0;
+  return std::min(share_near(b, T_ref_scan, a, squared_gates(a, reference)),
+                  share_near(a, T_ref_scan.inverse(), b, squared_gates(b, scan)));
+}
+
+}  // namespace phasescan
