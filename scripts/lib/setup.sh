@@ -1,0 +1,41 @@
+# Shared by scripts/*: run from anywhere, install what is missing (Debian 12 packages only), configure and build.
+# Source it: . "$(dirname "$0")/lib/setup.sh"
+set -euo pipefail
+ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
+cd "$ROOT"
+
+# What a build of everything needs. docs/licences.md says what each library is for.
+PACKAGES=(build-essential cmake ninja-build pkg-config ccache git
+  libeigen3-dev libfftw3-dev libkissfft-dev libnanoflann-dev libceres-dev libhwy-dev
+  libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libyaml-cpp-dev
+  zlib1g-dev liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev libpng-dev)
+TEST_PACKAGES=(clang-14 clang-format-14 libclang-rt-14-dev libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
+  python3 python3-numpy librsvg2-bin)
+
+say() { printf '\n== %s\n' "$*"; }
+
+# install_missing <package>...: apt packages that are not there yet, with sudo only where it is needed.
+install_missing() {
+  local missing=() package
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return 0
+  say "Installing ${missing[*]}"
+  local run=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "phasescan: not root and no sudo; install by hand: ${missing[*]}" >&2; exit 3; }
+    run=(sudo)
+  fi
+  "${run[@]}" apt-get update -qq
+  "${run[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# build <preset> [cmake --build options]: configure once, then build.
+build() {
+  local preset="$1"
+  shift
+  cmake --preset "$preset" >"$ROOT/build/$preset.configure.log" 2>&1 || { cat "$ROOT/build/$preset.configure.log" >&2; exit 1; }
+  cmake --build --preset "$preset" "$@"
+}
+mkdir -p "$ROOT/build"
