@@ -23,6 +23,9 @@ std::span<const std::string_view> enum_names<sim::PairClass>() {
 namespace phasescan::sim {
 namespace {
 
+/// The largest turn of the view itself where the class's turn is made by turning the sensor's frame.
+constexpr double kViewTurn_rad = deg_to_rad(30.0);
+
 /// What a scan must at least hold to be worth matching.
 constexpr double kHitShare_min = 0.3;
 
@@ -131,16 +134,18 @@ SimulatedPair PairGenerator::make(std::uint64_t k) const {
       if (!found) continue;
       place = *found;
     }
+    // The frame's heading is the class's; the view's may be kept near the reference's.
+    const double frame_heading = place.T_world_scan.theta;
+    if (row.turned_frame) place.T_world_scan.theta = wrap_angle(place.T_world_ref.theta + random.uniform(-kViewTurn_rad, kViewTurn_rad));
     draw_loose(caster, row, lidar, place, out.loose_ref, out.loose_scan, random);
-    const Surroundings around_ref{&caster, &out.loose_ref}, around_scan{other ? &*other : &caster, &out.loose_scan};
     out.T_world_ref = place.T_world_ref;
     out.T_world_scan = place.T_world_scan;
+    const Surroundings around_ref{&caster, &out.loose_ref}, around_scan{other ? &*other : &caster, &out.loose_scan};
     if (cls != PairClass::kNone) {
       const double overlap = pair_overlap(around_ref, around_scan, lidar, place.T_world_ref, place.T_world_scan).mean();
       if (overlap < row.overlap_min || overlap > row.overlap_max) continue;
       out.pair.overlap = overlap;
       out.pair.information = pair_information(around_ref, around_scan, lidar, place.T_world_ref, place.T_world_scan);
-      out.pair.truth = place.T_world_ref.inverse() * place.T_world_scan;
     }
     out.pair.reference = simulate_scan(around_ref, lidar, place.T_world_ref, random);
     out.pair.scan = simulate_scan(around_scan, lidar, place.T_world_scan, random);
@@ -152,6 +157,9 @@ SimulatedPair PairGenerator::make(std::uint64_t k) const {
       blind(out.pair.scan, same ? at : random.uniform(), same ? width : random.uniform(row.dead_min_deg, row.dead_max_deg) / lidar.fov_deg);
     }
     if (!worth_matching(out.pair.reference) || !worth_matching(out.pair.scan)) continue;
+    out.pair.scan.geometry.angle_min += wrap_angle(place.T_world_scan.theta - frame_heading);
+    out.T_world_scan.theta = frame_heading;
+    if (cls != PairClass::kNone) out.pair.truth = out.T_world_ref.inverse() * out.T_world_scan;
     char id[32];
     std::snprintf(id, sizeof id, "-%06llu", static_cast<unsigned long long>(k));
     out.pair.id = row.dataset + id;

@@ -118,6 +118,7 @@ PairRow read_row(const YAML::Node& node, const std::string& file) {
   fields.take("clearance_m", row.clearance_m);
   fields.take("overlap_min", row.overlap_min);
   fields.take("overlap_max", row.overlap_max);
+  fields.take("turned_frame", row.turned_frame);
   fields.take("through_door", row.through_door);
   fields.take("moved_min", row.moved_min);
   fields.take("moved_max", row.moved_max);

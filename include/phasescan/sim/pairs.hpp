@@ -36,6 +36,8 @@ struct PairRow {
   double clearance_m = 0.25;    ///< of both poses to everything
   double overlap_min = 0.0;     ///< share of surface that both scans see (see Overlap)
   double overlap_max = 1.0;
+  bool turned_frame = false;    ///< both scans look much the same way (within 30 deg); the class's turn is that of the sensor's frame,
+                                ///< so that angle_min differs between them: for a narrow view
   bool through_door = false;    ///< the way from one pose to the other leads through a doorway
   int moved_min = 0;            ///< objects that stand elsewhere in the second scan
   int moved_max = 0;
