@@ -1,9 +1,67 @@
-#include <CLI/CLI.hpp>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <new>
+
+#include "commands.hpp"
+#include "phasescan/io/error.hpp"
+
+namespace phasescan::app {
+namespace {
+
+// One line on stderr, whatever the reason holds.
+int fail(std::string reason, int code) {
+  for (char& c : reason) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  std::fflush(stdout);
+  std::fprintf(stderr, "phasescan: %s\n", reason.c_str());
+  return code;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"phasescan: the motion between two lidar scans, with no first guess, and maps from it", "phasescan"};
+  app.set_version_flag("--version", PHASESCAN_VERSION);
+  app.require_subcommand(1);
+  CommandBody body;
+  for (const AddCommand add : registered_commands()) add(app, body);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    const auto used = app.get_subcommands();
+    const std::string help = used.empty() ? "phasescan --help" : "phasescan " + used.front()->get_name() + " --help";
+    return fail(std::string(error.what()) + "; expected what `" + help + "` says", kBadInput);
+  }
+  const int code = body();
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    throw SystemError("standard output", std::string("cannot be written: ") + std::strerror(errno));
+  }
+  return code;
+}
+
+}  // namespace
+}  // namespace phasescan::app
 
 int main(int argc, char** argv) {
-  CLI::App app{"phasescan: the motion between two lidar scans, with no first guess", "phasescan"};
-  app.set_version_flag("--version", PHASESCAN_VERSION);
-  app.require_subcommand(0, 1);
-  CLI11_PARSE(app, argc, argv);
-  return 0;
+  using namespace phasescan;
+  const auto logger = spdlog::stderr_color_st("phasescan");
+  logger->set_pattern("%n: %l: %v");
+  spdlog::set_default_logger(logger);
+  try {
+    return app::run(argc, argv);
+  } catch (const SystemError& error) {
+    return app::fail(error.what(), app::kSystemFailure);
+  } catch (const InputError& error) {
+    return app::fail(error.what(), app::kBadInput);
+  } catch (const std::invalid_argument& error) {
+    return app::fail(error.what(), app::kBadInput);
+  } catch (const std::bad_alloc&) {
+    return app::fail("out of memory", app::kSystemFailure);
+  } catch (const std::exception& error) {
+    return app::fail(std::string("unexpected failure: ") + error.what(), app::kSystemFailure);
+  }
 }

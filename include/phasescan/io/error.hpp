@@ -12,13 +12,17 @@ class InputError : public std::runtime_error {
   InputError(std::string file, long line, const std::string& reason)
       : std::runtime_error(line > 0 ? file + ":" + std::to_string(line) + ": " + reason : file + ": " + reason),
         file_(std::move(file)),
-        line_(line) {}
+        line_(line),
+        reason_(reason) {}
   const std::string& file() const { return file_; }
   long line() const { return line_; }
+  /// What is wrong and what was expected, without the place.
+  const std::string& reason() const { return reason_; }
 
  private:
   std::string file_;
   long line_;
+  std::string reason_;
 };
 
 /// The system said no (permission, disk full, device gone): exit 3.

@@ -1,0 +1,31 @@
+// phasescan config --dump [SECTION]: every option in force.
+#include "commands.hpp"
+
+namespace phasescan::app {
+namespace {
+
+struct ConfigFlags {
+  CommonFlags common;
+  bool dump = false;
+  std::string section;
+};
+
+void add_config_command(CLI::App& app, CommandBody& body) {
+  auto* command = app.add_subcommand("config", "every option in force, with its default, unit and meaning");
+  auto flags = std::make_shared<ConfigFlags>();
+  command->add_flag("--dump", flags->dump, "print the options as YAML")->required();
+  command->add_option("SECTION", flags->section, "only this section");
+  add_config_flag(*command, flags->common);
+  command->callback([flags, &body] {
+    body = [flags] {
+      Config config = config_from(flags->common);
+      print(option_table(config).dump(flags->section));
+      return kDone;
+    };
+  });
+}
+
+const CommandRegistration kConfig{80, add_config_command};
+
+}  // namespace
+}  // namespace phasescan::app

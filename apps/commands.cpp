@@ -1,0 +1,154 @@
+#include "commands.hpp"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include "phasescan/io/error.hpp"
+#include "phasescan/io/file.hpp"
+#include "phasescan/io/number.hpp"
+
+namespace phasescan::app {
+namespace {
+
+std::vector<std::pair<int, AddCommand>>& registry() {
+  static std::vector<std::pair<int, AddCommand>> commands;
+  return commands;
+}
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+extern "C" void request_stop(int signal_number) {
+  stop_requested = 1;
+  std::signal(signal_number, SIG_DFL);
+}
+
+}  // namespace
+
+CommandRegistration::CommandRegistration(int order, AddCommand add) {
+  registry().emplace_back(order, add);
+}
+
+std::vector<AddCommand> registered_commands() {
+  auto sorted = registry();
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<AddCommand> out;
+  for (const auto& [order, add] : sorted) out.push_back(add);
+  return out;
+}
+
+void add_config_flag(CLI::App& command, CommonFlags& flags) {
+  command.add_option("--config", flags.config, "YAML file with options (see `phasescan config --dump`)")
+      ->type_name("FILE.yaml");
+}
+
+void add_method_flags(CLI::App& command, CommonFlags& flags) {
+  command.add_option("--method", flags.method, "icp, ndt, fft, fft-icp1, fft-icp2 or fft-mh")->type_name("NAME");
+  command.add_flag("--fast", flags.fast, "trade a little robustness for time (fft-mh)");
+}
+
+void add_threads_flag(CLI::App& command, CommonFlags& flags, int default_threads) {
+  flags.threads = default_threads;
+  command.add_option("--threads", flags.threads, "threads; the answers are the same for any number")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+}
+
+void add_seed_flag(CLI::App& command, CommonFlags& flags) {
+  command.add_option("--seed", flags.seed, "seed where chance is involved")->type_name("N")->capture_default_str();
+}
+
+void add_no_times_flag(CLI::App& command, CommonFlags& flags) {
+  command.add_flag("--no-times", flags.no_times, "leave times out: same input, same bytes");
+}
+
+Config config_from(const CommonFlags& flags) {
+  Config config = flags.config.empty() ? Config{} : load_config(flags.config);
+  if (!flags.method.empty()) {
+    try {
+      config.match.match.method = enum_from_string<MatchMethod>(flags.method);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(std::string("--method: ") + error.what());
+    }
+  }
+  if (flags.fast) config.match.match.fast = true;
+  return config;
+}
+
+std::vector<double> parse_numbers(const std::string& flag, const std::string& text, std::size_t count) {
+  std::vector<double> numbers;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    const auto number = parse_number<double>(std::string_view(text).substr(from, comma - from));
+    if (!number || !(std::abs(*number) < 1e9)) numbers.resize(count + 1);
+    if (numbers.size() > count) break;
+    numbers.push_back(*number);
+    from = comma + 1;
+  }
+  if (numbers.size() != count) {
+    throw std::invalid_argument(flag + ": " + quote_text(text) + " is not " + std::to_string(count) +
+                                " numbers; expected them separated by commas");
+  }
+  return numbers;
+}
+
+InterruptGuard::InterruptGuard() {
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGTERM, request_stop);
+}
+InterruptGuard::~InterruptGuard() {
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
+bool InterruptGuard::interrupted() {
+  return stop_requested != 0;
+}
+
+Progress::Progress(std::string what, std::size_t total)
+    : what_(std::move(what)), total_(total), shown_(::isatty(STDERR_FILENO) == 1) {}
+
+Progress::~Progress() {
+  if (shown_ && last_percent_ >= 0) std::fputs("\r\033[K", stderr);
+}
+
+void Progress::step(std::size_t done) {
+  if (!shown_) return;
+  const int percent =
+      total_ > 0 ? static_cast<int>(100 * std::min(done, total_) / total_) : static_cast<int>(done / 50 % 1'000'000);
+  if (percent == last_percent_) return;
+  last_percent_ = percent;
+  if (total_ == 0) {
+    std::fprintf(stderr, "\r%s %zu\033[K", what_.c_str(), done);
+  } else {
+    const int bars = percent * 30 / 100;
+    std::fprintf(stderr, "\r%s [%-30s] %3d %%\033[K", what_.c_str(),
+                 std::string(static_cast<std::size_t>(bars), '#').c_str(), percent);
+  }
+  std::fflush(stderr);
+}
+
+void warn(const std::string& text) {
+  spdlog::warn("{}", text);
+}
+
+int report_damages(const LogReader& reader, int code) {
+  for (const LogDamage& damage : reader.damages()) warn(damage.text);
+  const std::size_t untold = reader.damage_count() - reader.damages().size();
+  if (untold > 0) warn("and " + std::to_string(untold) + " more places like these");
+  return reader.damage_count() > 0 ? kDamagedInput : code;
+}
+
+void print(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) {
+    throw SystemError("standard output", std::string("cannot be written: ") + std::strerror(errno));
+  }
+}
+
+}  // namespace phasescan::app

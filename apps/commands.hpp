@@ -1,0 +1,94 @@
+// What the sub-commands share: registration, common flags, configuration, interruption, progress.
+//
+// A command is one file, apps/cmd_<name>.cpp, that ends in
+//   const CommandRegistration kMatch{10, add_match_command};
+// where `add_match_command(CLI::App& app, CommandBody& body)` adds a sub-command to `app` whose callback sets `body`;
+// main runs it and turns exceptions into the one line on stderr and the exit code.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "phasescan/io/config.hpp"
+#include "phasescan/io/log.hpp"
+
+namespace phasescan::app {
+
+/// Exit codes (README: exit codes).
+enum ExitCode { kDone = 0, kAnswerIsNo = 1, kBadInput = 2, kSystemFailure = 3, kDamagedInput = 4 };
+
+/// What a command does once the flags are read; gives the exit code.
+using CommandBody = std::function<int()>;
+using AddCommand = void (*)(CLI::App& app, CommandBody& body);
+
+/// Makes a command known to main; `order` sorts `--help`.
+struct CommandRegistration {
+  CommandRegistration(int order, AddCommand add);
+};
+/// All registered commands, in order.
+std::vector<AddCommand> registered_commands();
+
+/// Flags that more than one command has. Add those that apply with the functions below.
+struct CommonFlags {
+  std::string config;  ///< --config FILE.yaml
+  std::string method;  ///< --method NAME (bench: comma-separated)
+  bool fast = false;
+  bool no_times = false;
+  int threads = 1;
+  std::uint64_t seed = 1;
+};
+void add_config_flag(CLI::App& command, CommonFlags& flags);
+void add_method_flags(CLI::App& command, CommonFlags& flags);
+void add_threads_flag(CLI::App& command, CommonFlags& flags, int default_threads = 1);
+void add_seed_flag(CLI::App& command, CommonFlags& flags);
+void add_no_times_flag(CLI::App& command, CommonFlags& flags);
+
+/// Defaults, then --config, then --method (if it names one) and --fast. @throws InputError, std::invalid_argument
+Config config_from(const CommonFlags& flags);
+
+/// Numbers of a comma-separated flag such as --guess. @throws std::invalid_argument naming the flag and what was
+/// expected.
+std::vector<double> parse_numbers(const std::string& flag, const std::string& text, std::size_t count);
+
+/// Catches Ctrl-C and SIGTERM from its construction on, for commands that write what was finished; a second one ends
+/// the process at once.
+class InterruptGuard {
+ public:
+  InterruptGuard();
+  ~InterruptGuard();
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+  /// Whether the user asked to stop.
+  static bool interrupted();
+};
+
+/// A progress line on stderr, on a terminal only; gone when the object is.
+class Progress {
+ public:
+  /// total 0: unknown, a count is shown.
+  Progress(std::string what, std::size_t total);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  void step(std::size_t done);
+
+ private:
+  std::string what_;
+  std::size_t total_;
+  bool shown_;
+  int last_percent_ = -1;
+};
+
+/// One warning line on stderr: "phasescan: warning: ...".
+void warn(const std::string& text);
+
+/// Prints each of a reader's damages as a warning; gives kDamagedInput if there are any, else `code`.
+int report_damages(const LogReader& reader, int code);
+
+/// Writes to standard output. @throws SystemError if it does not take it (disk full, pipe closed).
+void print(std::string_view text);
+
+}  // namespace phasescan::app

@@ -1,0 +1,98 @@
+/// Files: reading plain or gzip alike with clear failures, and writing that leaves the whole file or none.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace phasescan {
+
+/// Bytes of a file from front to back; gzip is recognised by content and unpacked on the way.
+class InputStream {
+ public:
+  /// @throws InputError (not found, a folder), SystemError (permission and whatever else the system refuses).
+  explicit InputStream(const std::string& path);
+  ~InputStream();
+  InputStream(InputStream&&) noexcept;
+  InputStream& operator=(InputStream&&) noexcept;
+
+  /// Fills as much of `out` as the file still has; fewer bytes only at the end.
+  /// @throws InputError for broken or cut-off gzip data, after all that could be unpacked has been handed out.
+  std::size_t read(std::span<char> out);
+
+  const std::string& path() const { return path_; }
+
+ private:
+  struct Handle;
+  std::string path_;
+  std::unique_ptr<Handle> handle_;
+};
+
+/// Lines of a text file, plain or gzip, in bounded memory. Line ends (LF, CRLF) and a UTF-8 byte order mark are taken
+/// off.
+class LineReader {
+ public:
+  /// No line of a legal file is longer: 10^7 numbers fit.
+  static constexpr std::size_t kMaxLineBytes = std::size_t{256} << 20;
+
+  explicit LineReader(const std::string& path);
+
+  /// The next line; false at the end. @throws InputError as InputStream::read, and for a line beyond kMaxLineBytes.
+  bool next(std::string& line);
+
+  /// 1-based number of the line that `next` gave last.
+  long line_number() const { return line_number_; }
+  /// Whether that line ended with a newline: a file cut off in the middle ends without.
+  bool line_was_ended() const { return line_was_ended_; }
+  const std::string& path() const { return stream_.path(); }
+
+ private:
+  InputStream stream_;
+  std::string buffer_;
+  std::size_t position_ = 0;
+  long line_number_ = 0;
+  bool line_was_ended_ = true;
+};
+
+/// The whole file, unpacked. @throws as InputStream; InputError if it has more than `max_bytes`.
+std::string read_file(const std::string& path, std::size_t max_bytes = std::size_t{1} << 30);
+
+/// The first bytes of a file, unpacked: at most `count`. @throws as InputStream.
+std::string read_prefix(const std::string& path, std::size_t count);
+
+/// A file that appears whole or not at all: written beside its place, synced and renamed by `commit`. Without a commit
+/// nothing stays. A name ending in .gz is packed (no time stamp inside: same content, same bytes). Something that is no
+/// regular file (/dev/stdout, a pipe) is written as it is.
+class AtomicFile {
+ public:
+  /// @throws SystemError if the folder does not take a file; InputError if `path` is a folder or its folder does not
+  /// exist.
+  explicit AtomicFile(const std::string& path);
+  ~AtomicFile();
+  AtomicFile(AtomicFile&&) noexcept;
+  AtomicFile& operator=(AtomicFile&&) noexcept;
+
+  /// @throws SystemError, e.g. disk full.
+  void write(std::string_view bytes);
+  /// Makes the file visible under its name. @throws SystemError
+  void commit();
+
+  const std::string& path() const;
+
+ private:
+  struct Handle;
+  std::unique_ptr<Handle> handle_;
+};
+
+/// Writes one file whole or not at all. @throws as AtomicFile.
+void write_file(const std::string& path, std::string_view content);
+
+/// Makes a folder and those above it. @throws SystemError
+void make_folder(const std::string& path);
+
+/// A piece of input as it may stand in a message: in quotes, at most 40 characters, control characters as '?'.
+std::string quote_text(std::string_view text);
+
+}  // namespace phasescan

@@ -1,0 +1,17 @@
+#include "phasescan/io/config.hpp"
+
+namespace phasescan {
+
+OptionTable option_table(Config& config) {
+  OptionTable table;
+  Config::visit_sections(config, [&](std::string_view section, auto& options) { table.add(section, options); });
+  return table;
+}
+
+Config load_config(const std::string& path) {
+  Config config;
+  option_table(config).load_file(path);
+  return config;
+}
+
+}  // namespace phasescan

@@ -1,0 +1,41 @@
+// JSON pieces the readers share; kept out of the public headers because of its weight.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/scan/scan.hpp"
+
+namespace phasescan::json {
+
+using Json = nlohmann::json;
+
+/// The text a message speaks of: file and number of the text's first line; `text` finds the line of a key.
+struct Place {
+  const std::string& file;
+  long line = 1;
+  std::string_view text;
+
+  /// InputError at the line where `key` stands (the first line if it is empty or absent).
+  [[noreturn]] void fail(std::string_view key, const std::string& reason) const;
+};
+
+/// Parses JSON that may hold NaN, Infinity and -Infinity as Python writes them; these become the strings "nan", "inf",
+/// "-inf".
+Json parse(const Place& place);
+
+/// A scan object. `key` names it in messages ("" for the whole text).
+Scan scan_from(const Json& object, const Place& place);
+
+/// {"x", "y", "theta"}, finite, theta wrapped.
+Pose2 pose_from(const Json& object, const Place& place, std::string_view key);
+
+/// Appends a scan, or a pose, as JSON text.
+void append_scan(std::string& out, const Scan& scan);
+void append_pose(std::string& out, const Pose2& pose);
+/// Appends a string in quotes with what JSON needs escaped.
+void append_string(std::string& out, std::string_view text);
+
+}  // namespace phasescan::json
