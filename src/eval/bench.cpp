@@ -23,7 +23,8 @@ class Worker {
     for (const BenchMethod& method : methods) matchers_.emplace_back(method.options);
   }
 
-  void run(const ScanPair& pair, PairOutcome* out) {
+  void run(const BenchPair& given, PairOutcome* out) {
+    const ScanPair& pair = given.pair;
     const double overlap = pair.truth ? scan_overlap(pair.reference, pair.scan, *pair.truth) : 0.0;
     for (std::size_t m = 0; m < matchers_.size(); ++m) {
       MatchTimes fastest;
@@ -34,7 +35,7 @@ class Worker {
         if (result.ms.total < fastest.total) fastest = result.ms;
       }
       result.ms = fastest;
-      out[m] = judge(pair, result, m, overlap);
+      out[m] = judge(pair, result, m, overlap, given.information);
     }
   }
 
@@ -44,7 +45,7 @@ class Worker {
 };
 
 /// Pairs k, k + threads, ... of the block go to worker k, so that an outcome's place never depends on who was faster.
-void run_block(const std::vector<ScanPair>& block, std::vector<Worker>& workers, std::size_t methods, PairOutcome* out) {
+void run_block(const std::vector<BenchPair>& block, std::vector<Worker>& workers, std::size_t methods, PairOutcome* out) {
   std::vector<std::exception_ptr> failures(workers.size());
   const auto work = [&](std::size_t k) {
     try {
@@ -80,13 +81,6 @@ std::vector<BenchMethod> bench_methods(const std::string& comma_separated, const
   return methods;
 }
 
-PairSource pair_source(const std::vector<ScanPair>& pairs) {
-  return [&pairs, next = std::size_t{0}]() mutable -> std::optional<ScanPair> {
-    if (next == pairs.size()) return std::nullopt;
-    return pairs[next++];
-  };
-}
-
 double time_reference_fft(int repeats) {
   RealFft fft = RealFft::image(128, 128);
   FloatBuffer in(fft.real_size(), 0.0F);
@@ -107,11 +101,11 @@ BenchRun run_bench(const PairSource& source, const std::vector<BenchMethod>& met
   for (int k = 0; k < std::max(1, settings.threads); ++k) workers.emplace_back(methods, settings.repeat);
   BenchRun run;
   std::vector<double> fft_ms{time_reference_fft()};
-  std::vector<ScanPair> block;
+  std::vector<BenchPair> block;
   for (bool more = true; more;) {
     block.clear();
     while (block.size() < kBlock) {
-      std::optional<ScanPair> pair = source();
+      std::optional<BenchPair> pair = source();
       if (!pair) {
         more = false;
         break;

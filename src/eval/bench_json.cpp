@@ -42,6 +42,10 @@ Json row_json(const PairRow& row, const std::vector<BenchMethod>& methods, const
   out["ambiguous"] = row.ambiguous;
   out["errors"] = {{"x_m", moments_json(row.x_m)}, {"y_m", moments_json(row.y_m)}, {"rotation_deg", moments_json(row.rotation_deg)}};
   out["nees_below_7_81"] = row.nees_below;
+  out["times_the_bound"] = row.efficiency;
+  if (row.weak > 0) {
+    out["weak"] = {{"n", row.weak}, {"ambiguous", row.weak_ambiguous}, {"across_below_0_1_m", row.weak_across}};
+  }
   if (row.with_confidence > 0) {
     out["confidence"] = {{"n", row.with_confidence}, {"auc", row.auc}, {"calibration_error", row.calibration_error}};
   } else {

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "phasescan/eval/bench_report.hpp"
 
 namespace phasescan {
@@ -18,6 +20,20 @@ Table confidence_table(const std::vector<PairRow>& rows, const std::vector<Bench
   for (const PairRow& row : rows) {
     std::vector<std::string> cells = row_names(row, methods);
     cells.insert(cells.end(), {count(row.n), fixed(row.auc, 4), fixed(row.calibration_error, 4), percent(row.nees_below)});
+    table.rows.push_back(std::move(cells));
+  }
+  return table;
+}
+
+Table bound_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods) {
+  Table table{"Against what the ranges hold: sqrt(mean(e' J e) / 3) over successes (1 is the Cramer-Rao bound); weak pairs leave "
+              "sigma > 0.05 m in some direction, there `ambiguous` is the right answer",
+              {"dataset", "class", "method", "n", "times the bound", "weak pairs", "called ambiguous [%]", "across < 0.1 m [%]"}, {}, 3};
+  for (const PairRow& row : rows) {
+    const double weak = static_cast<double>(row.weak);
+    std::vector<std::string> cells = row_names(row, methods);
+    cells.insert(cells.end(), {count(row.n), fixed(row.efficiency, 2), count(row.weak),
+                               percent(static_cast<double>(row.weak_ambiguous) / weak), percent(static_cast<double>(row.weak_across) / weak)});
     table.rows.push_back(std::move(cells));
   }
   return table;
@@ -105,6 +121,11 @@ std::string bench_markdown(const BenchRun& run, const std::vector<BenchMethod>& 
     if (row.with_confidence > 0) calibrated.push_back(row);
   }
   add("Confidence", confidence_table(calibrated, methods));
+  std::vector<PairRow> bounded;
+  for (const PairRow& row : totals) {
+    if (std::isfinite(row.efficiency) || row.weak > 0) bounded.push_back(row);
+  }
+  add("Against the Cramer-Rao bound", bound_table(bounded, methods));
   add("Missing-data shortcut", shortcut_table(totals, methods));
   return out;
 }

@@ -1,5 +1,6 @@
 #include "phasescan/eval/pair_outcome.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -35,11 +36,29 @@ std::vector<float> squared_gates(const ScanPoints& points, const Scan& scan) {
   return out;
 }
 
+/// What the information of the ranges says of an error: see PairOutcome.
+void judge_by_information(const Eigen::Matrix3d& information, const Eigen::Vector3d& e, PairOutcome& out) {
+  out.efficiency = e.dot(information * e);
+  const Eigen::FullPivLU<Eigen::Matrix3d> lu(information);
+  Eigen::Vector2d weakest(1.0, 0.0);
+  if (lu.isInvertible()) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(lu.inverse().topLeftCorner<2, 2>().eval());
+    out.weak_sigma_m = std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
+    weakest = axes.eigenvectors().col(1);
+  } else {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(information.topLeftCorner<2, 2>().eval());
+    out.weak_sigma_m = std::numeric_limits<double>::infinity();
+    weakest = axes.eigenvectors().col(0);
+  }
+  out.error_across_m = std::abs(e.x() * -weakest.y() + e.y() * weakest.x());
+}
+
 }  // namespace
 
 double PairOutcome::translation_error() const { return std::hypot(error_x, error_y); }
 
-PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t method, double overlap) {
+PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t method, double overlap,
+                  const std::optional<Eigen::Matrix3d>& information) {
   PairOutcome out;
   out.dataset = pair.dataset;
   out.cls = pair.cls;
@@ -59,6 +78,7 @@ PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t m
   const Eigen::Vector3d e(out.error_x, out.error_y, out.error_theta);
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(result.covariance);
   if (lu.isInvertible()) out.nees = e.dot(lu.solve(e));
+  if (information) judge_by_information(*information, e, out);
   return out;
 }
 

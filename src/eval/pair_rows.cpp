@@ -48,7 +48,7 @@ PairRow sum_up(std::span<const PairOutcome* const> outcomes) {
     row.cls = outcomes.front()->cls;
     row.method = outcomes.front()->method;
   }
-  std::vector<double> x, y, rotation;
+  std::vector<double> x, y, rotation, efficiencies;
   std::vector<Judgement> judgements;
   std::size_t nees_n = 0, nees_inside = 0;
   std::array<std::vector<double>, 6> times;
@@ -63,6 +63,13 @@ PairRow sum_up(std::span<const PairOutcome* const> outcomes) {
       rotation.push_back(rad_to_deg(std::abs(o->error_theta)));
       row.shortcut_right += o->rotation_source == RotationSource::kMissingData;
     }
+    if (o->weak_sigma_m > kWeakSigma_m) {
+      ++row.weak;
+      row.weak_ambiguous += o->ambiguous;
+      row.weak_across += o->error_across_m < kSuccessTranslation_m;
+    } else if (o->right && std::isfinite(o->efficiency)) {
+      efficiencies.push_back(o->efficiency / 3.0);
+    }
     if (o->confidence) judgements.push_back({*o->confidence, o->right});
     if (o->usable && std::isfinite(o->nees)) {
       ++nees_n;
@@ -72,6 +79,7 @@ PairRow sum_up(std::span<const PairOutcome* const> outcomes) {
     const std::array<double, 6> ms = step_ms(o->ms);
     for (std::size_t s = 0; s < ms.size(); ++s) times[s].push_back(ms[s]);
   }
+  row.efficiency = std::sqrt(moments(efficiencies).mean);
   row.interval = wilson_interval(row.right, row.with_truth);
   row.x_m = moments(x);
   row.y_m = moments(y);

@@ -123,7 +123,7 @@ TEST(Bench, FiguresAreWellFormed) {
 
 TEST(Bench, NoPairsIsAnEmptyTable) {
   const std::vector<BenchMethod> methods = bench_methods("icp", {});
-  const BenchRun run = run_bench([]() -> std::optional<ScanPair> { return std::nullopt; }, methods);
+  const BenchRun run = run_bench([]() -> std::optional<BenchPair> { return std::nullopt; }, methods);
   EXPECT_TRUE(run.outcomes.empty());
   EXPECT_TRUE(nlohmann::json::parse(bench_json(run, methods, {})).at("rows").empty());
   EXPECT_TRUE(bench_figures(run, methods, {}).empty());

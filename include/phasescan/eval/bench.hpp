@@ -1,13 +1,16 @@
 /// Runs methods over pairs of scans and keeps what the tables need.
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "phasescan/eval/pair_outcome.hpp"
 #include "phasescan/match/options.hpp"
+#include "phasescan/sim/pairs.hpp"
 
 namespace phasescan {
 
@@ -21,11 +24,24 @@ struct BenchMethod {
 /// @throws std::invalid_argument for an unknown or doubled name, or none.
 std::vector<BenchMethod> bench_methods(const std::string& comma_separated, const MatchOptions& options);
 
+/// A pair and, where a simulator made it, the information its ranges hold of the pose (sim/truth.hpp).
+struct BenchPair {
+  ScanPair pair;
+  std::optional<Eigen::Matrix3d> information;
+};
+
 /// Gives the next pair, or nothing at the end.
-using PairSource = std::function<std::optional<ScanPair>()>;
+using PairSource = std::function<std::optional<BenchPair>()>;
 
 /// A source over pairs in memory; they must outlive it.
 PairSource pair_source(const std::vector<ScanPair>& pairs);
+
+/// The lines of a pairs file. A pair of any class but `none` must have a truth; a pair without a dataset takes the file's name.
+/// The source throws InputError with the line of whatever cannot be used.
+PairSource file_source(const std::string& path);
+
+/// The first `count` pairs of a generator, made on `threads` threads.
+PairSource simulated_source(std::shared_ptr<const sim::PairGenerator> generator, std::size_t count, int threads);
 
 /// How to run. Nothing of it changes an outcome but its times.
 struct BenchSettings {

@@ -35,6 +35,10 @@ struct PairRow {
   std::size_t with_confidence = 0;
   double auc, calibration_error;
   double nees_below;  ///< share of e^T C^-1 e below 7.81 (95 % of chi-square with 3 degrees) among usable answers with a truth
+  double efficiency;  ///< sqrt(mean(e^T J e) / 3) over the successes that are not weak: 1 is the Cramer-Rao bound
+  std::size_t weak = 0;             ///< pairs whose position cannot be known in some direction (sigma above 0.05 m)
+  std::size_t weak_ambiguous = 0;   ///< of those, called ambiguous
+  std::size_t weak_across = 0;      ///< of those, error across that direction below 0.1 m
   std::array<std::size_t, 6> rotation_sources{};  ///< by RotationSource
   std::size_t shortcut_right = 0;  ///< successes whose rotation came from the missing data
   std::array<TimeRow, 6> times;

@@ -1,0 +1,91 @@
+#include <deque>
+#include <exception>
+#include <thread>
+
+#include "phasescan/eval/bench.hpp"
+#include "phasescan/io/error.hpp"
+#include "phasescan/sim/truth.hpp"
+
+namespace phasescan {
+namespace {
+
+std::string file_stem(const std::string& path) {
+  const std::size_t slash = path.find_last_of('/');
+  const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
+  return name.substr(0, name.find('.'));
+}
+
+BenchPair simulate(const sim::PairGenerator& generator, std::size_t k) {
+  sim::SimulatedPair made = generator.make(k);
+  BenchPair out;
+  if (made.pair.truth) {
+    const sim::RayCaster caster(made.world.shape);
+    out.information = sim::pair_information({&caster, &made.loose_ref}, {&caster, &made.loose_scan}, made.lidar, made.T_world_ref,
+                                            made.T_world_scan);
+  }
+  out.pair = std::move(made.pair);
+  return out;
+}
+
+}  // namespace
+
+PairSource pair_source(const std::vector<ScanPair>& pairs) {
+  return [&pairs, next = std::size_t{0}]() mutable -> std::optional<BenchPair> {
+    if (next == pairs.size()) return std::nullopt;
+    return BenchPair{pairs[next++], std::nullopt};
+  };
+}
+
+PairSource file_source(const std::string& path) {
+  auto reader = std::make_shared<PairReader>(path);
+  return [reader, path]() -> std::optional<BenchPair> {
+    std::optional<PairLine> line = reader->next();
+    if (!line) return std::nullopt;
+    if (!line->pair) throw InputError(path, line->line, line->error);
+    ScanPair& pair = *line->pair;
+    if (pair.cls.empty()) throw InputError(path, line->line, "no \"class\": expected small, middle, large, global, none or another name");
+    if (!pair.truth && pair.cls != kNoneClass) {
+      throw InputError(path, line->line, "no \"truth\": expected {\"x\", \"y\", \"theta\"} for every class but none");
+    }
+    if (pair.dataset.empty()) pair.dataset = file_stem(path);
+    return BenchPair{std::move(pair), std::nullopt};
+  };
+}
+
+PairSource simulated_source(std::shared_ptr<const sim::PairGenerator> generator, std::size_t count, int threads) {
+  struct State {
+    std::size_t next = 0;
+    std::deque<BenchPair> ready;
+  };
+  auto state = std::make_shared<State>();
+  const auto workers = static_cast<std::size_t>(std::max(1, threads));
+  return [generator, count, workers, state]() -> std::optional<BenchPair> {
+    if (state->ready.empty()) {
+      const std::size_t n = std::min(count - state->next, 32 * workers);
+      if (n == 0) return std::nullopt;
+      std::vector<BenchPair> block(n);
+      std::vector<std::exception_ptr> failures(workers);
+      const auto work = [&](std::size_t worker) {
+        try {
+          for (std::size_t i = worker; i < n; i += workers) block[i] = simulate(*generator, state->next + i);
+        } catch (...) {
+          failures[worker] = std::current_exception();
+        }
+      };
+      std::vector<std::thread> pool;
+      for (std::size_t w = 1; w < workers; ++w) pool.emplace_back(work, w);
+      work(0);
+      for (std::thread& t : pool) t.join();
+      for (const std::exception_ptr& failure : failures) {
+        if (failure) std::rethrow_exception(failure);
+      }
+      state->next += n;
+      std::move(block.begin(), block.end(), std::back_inserter(state->ready));
+    }
+    BenchPair out = std::move(state->ready.front());
+    state->ready.pop_front();
+    return out;
+  };
+}
+
+}  // namespace phasescan
