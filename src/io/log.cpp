@@ -1,1 +1,39 @@
 #include "phasescan/io/log.hpp"
+
+#include <filesystem>
+
+#include "io/log_format.hpp"
+#include "phasescan/io/error.hpp"
+#include "phasescan/io/file.hpp"
+
+namespace phasescan {
+namespace {
+
+constexpr std::size_t kPrefixBytes = std::size_t{1} << 16;
+
+// Asked in this order: what is recognised by a magic number first, text by its words after.
+std::vector<LogFormat> log_formats() {
+  return {
+      scan_log_format(),
+      carmen_format(),
+  };
+}
+
+}  // namespace
+
+std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& options) {
+  std::error_code ignored;
+  const bool folder = std::filesystem::is_directory(path, ignored);
+  const std::string prefix = folder ? std::string() : read_prefix(path, kPrefixBytes);
+  if (!folder && prefix.empty()) throw InputError(path, 1, "the file is empty; expected a log");
+  std::string names;
+  for (const LogFormat& format : log_formats()) {
+    if (format.probe(path, prefix)) return format.open(path, options);
+    names += (names.empty() ? "" : ", ") + std::string(format.name);
+  }
+  throw InputError(
+      path, folder ? 0 : 1,
+      std::string(folder ? "is a folder of no known format" : "is of no known format") + "; expected one of " + names);
+}
+
+}  // namespace phasescan

@@ -1,0 +1,27 @@
+// The formats that `open_log` knows. A format is one file that defines its function below, plus one line in log.cpp's
+// table.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "phasescan/io/log.hpp"
+
+namespace phasescan {
+
+/// One readable log format.
+struct LogFormat {
+  std::string_view name;
+  /// Whether this is the format of a file with these first bytes (unpacked if gzip; at most 64 KiB), or of the folder
+  /// `path`
+  /// (`prefix` is empty then).
+  bool (*probe)(const std::string& path, std::string_view prefix);
+  /// @throws InputError, SystemError
+  std::unique_ptr<LogReader> (*open)(const std::string& path, const LogOptions& options);
+};
+
+LogFormat scan_log_format();
+LogFormat carmen_format();
+
+}  // namespace phasescan
