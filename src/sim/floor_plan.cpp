@@ -76,7 +76,7 @@ bool add_door(FloorPlan& plan, int room_a, int room_b, double width, double wall
     if (to - from < width + 2.0 * kMargin) return false;
     const double start = random.uniform(from + kMargin, to - kMargin - width);
     for (const DoorPlan& other : plan.doors) {
-      const bool same_wall = other.in_x_wall == x_wall && (other.low == low || other.high == high || other.low == high || other.high == low);
+      const bool same_wall = other.in_x_wall == x_wall && (other.low == low || other.high == high);
       if (same_wall && other.from < start + width + 0.1 && start < other.to + 0.1) return false;
     }
     plan.doors.push_back({low, high, x_wall, start, start + width, DoorState::kOpen, false});
@@ -88,6 +88,7 @@ bool add_door(FloorPlan& plan, int room_a, int room_b, double width, double wall
 World build_world(const FloorPlan& plan, Random& random) {
   World world;
   std::vector<Footprint> keep_clear;
+  std::vector<std::vector<Vector2d>> entrances(plan.rooms.size());
   for (std::size_t r = 0; r < plan.rooms.size(); ++r) {
     const RoomPlan& room = plan.rooms[r];
     Side sides[4] = {{{room.x0, room.y0}, {room.x1, room.y0}, {}}, {{room.x1, room.y0}, {room.x1, room.y1}, {}},
@@ -105,6 +106,9 @@ World build_world(const FloorPlan& plan, Random& random) {
       // Nothing stands in front of a door.
       const double middle = 0.5 * (door.from + door.to), width = door.to - door.from + 0.1, deep = std::min(1.8, 2.0 * width);
       const Vector2d at = door.in_x_wall ? Vector2d(is_low ? room.x1 : room.x0, middle) : Vector2d(middle, is_low ? room.y1 : room.y0);
+      constexpr double kInside_m = 0.45;
+      const double inwards = is_low ? -kInside_m : kInside_m;
+      if (door.low >= 0 && door.high >= 0) entrances[r].push_back(at + (door.in_x_wall ? Vector2d(inwards, 0.0) : Vector2d(0.0, inwards)));
       keep_clear.push_back({{at.x(), at.y(), 0.0}, door.in_x_wall ? deep : width, door.in_x_wall ? width : deep});
     }
     for (Side& side : sides) {
@@ -143,7 +147,9 @@ World build_world(const FloorPlan& plan, Random& random) {
     world.shape.append(box, pillar.T_room_item);
     keep_clear.push_back(pillar);
   }
-  for (const RoomPlan& room : plan.rooms) furnish(room, plan.style.clutter, keep_clear, world.shape, random);
+  for (std::size_t r = 0; r < plan.rooms.size(); ++r) {
+    furnish(plan.rooms[r], entrances[r], plan.style.clutter, keep_clear, world.shape, random);
+  }
 
   // Nothing built is square: shear, and a smooth bend of a few centimetres over metres.
   const double shear = random.normal(0.0, plan.style.shear), wave_x = random.uniform(0.3, 0.9), wave_y = random.uniform(0.3, 0.9);

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "sim/floor_plan.hpp"
+#include "sim/passage.hpp"
 
 namespace phasescan::sim {
 namespace {
@@ -87,8 +88,9 @@ bool fits(const RoomPlan& room, const Footprint& place, const std::vector<Footpr
 
 }  // namespace
 
-void furnish(const RoomPlan& room, double clutter, std::vector<Footprint>& taken, Shape& shape, Random& random) {
+void furnish(const RoomPlan& room, const std::vector<Vector2d>& entrances, double clutter, std::vector<Footprint>& taken, Shape& shape, Random& random) {
   if (clutter <= 0.0) return;
+  PassageGrid passage(room, entrances);
   for (const Habit& habit : habits(room.use)) {
     const double expected = clutter * habit.expected * (habit.by_area ? room.area() / 10.0 : 1.0);
     const double drawn = expected * random.uniform(0.5, 1.5);
@@ -98,7 +100,7 @@ void furnish(const RoomPlan& room, double clutter, std::vector<Footprint>& taken
       constexpr int kTries = 12;
       for (int k = 0; k < kTries; ++k) {
         const Footprint place{draw_place(room, item, habit.at_wall, random), item.width, item.depth};
-        if (!fits(room, place, taken)) continue;
+        if (!fits(room, place, taken) || !passage.try_block(place)) continue;
         shape.append(item.shape, place.T_room_item);
         taken.push_back(place);
         break;

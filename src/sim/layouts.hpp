@@ -10,5 +10,6 @@ FloorPlan plan_office(Random& random);
 FloorPlan plan_corridor(Random& random);
 FloorPlan plan_flat(Random& random);
 FloorPlan plan_hall(Random& random);
+FloorPlan plan_building(Random& random);
 
 }  // namespace phasescan::sim

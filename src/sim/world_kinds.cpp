@@ -8,7 +8,7 @@ namespace phasescan {
 
 template <>
 std::span<const std::string_view> enum_names<sim::WorldKind>() {
-  static constexpr std::string_view names[] = {"room", "office", "corridor", "flat", "hall", "empty-room", "bare-corridor"};
+  static constexpr std::string_view names[] = {"room", "office", "corridor", "flat", "hall", "empty-room", "bare-corridor", "building"};
   return names;
 }
 
@@ -54,6 +54,7 @@ World make_world(WorldKind kind, std::uint64_t seed) {
       break;
     }
     case WorldKind::kBareCorridor: world = bare_corridor(random.uniform(1.2, 2.8)); break;
+    case WorldKind::kBuilding: world = build_world(plan_building(random), random); break;
   }
   world.name = std::string(to_string(kind)) + "-" + std::to_string(seed);
   return world;

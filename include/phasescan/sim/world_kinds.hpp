@@ -16,6 +16,7 @@ enum class WorldKind {
   kHall,          ///< 20-38 m, pillars, machines, racks
   kEmptyRoom,     ///< a bare rectangle: looks the same after half a turn
   kBareCorridor,  ///< two bare parallel walls, longer than any sensor here sees
+  kBuilding,      ///< 20-60 rooms in blocks between corridors that form loops
 };
 
 /// Makes the building of a kind and seed: the same surfaces for the same seed, always.
