@@ -32,7 +32,8 @@ struct LogDamage {
 
 /// What to read of a log.
 struct LogOptions {
-  std::string topic;  ///< ROS: only this scan topic; empty = all
+  std::string topic;    ///< ROS: only this scan topic; empty = all
+  std::string columns;  ///< CSV: the names of its columns, separated by commas, where the file has no header
 };
 
 /// Reads a log from front to back in bounded memory. One entry per laser message, in the file's order.

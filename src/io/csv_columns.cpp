@@ -1,0 +1,179 @@
+#include "io/csv_columns.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+
+#include "phasescan/core/angle.hpp"
+
+namespace phasescan {
+namespace {
+
+struct Name {
+  std::string_view name;
+  ColumnRole role;
+};
+
+constexpr Name kNames[] = {
+    {"stamp", ColumnRole::kStamp},        {"time", ColumnRole::kStamp},
+    {"timestamp", ColumnRole::kStamp},    {"t", ColumnRole::kStamp},
+    {"header.stamp", ColumnRole::kStamp}, {"angle", ColumnRole::kAngle},
+    {"theta", ColumnRole::kAngle},        {"bearing", ColumnRole::kAngle},
+    {"azimuth", ColumnRole::kAngle},      {"angule", ColumnRole::kAngle},
+    {"range", ColumnRole::kRange},        {"ranges", ColumnRole::kRange},
+    {"distance", ColumnRole::kRange},     {"distances", ColumnRole::kRange},
+    {"dist", ColumnRole::kRange},         {"r", ColumnRole::kRange},
+    {"intensity", ColumnRole::kIntensity}, {"intensities", ColumnRole::kIntensity},
+    {"quality", ColumnRole::kIntensity},  {"q", ColumnRole::kIntensity},
+    {"signal", ColumnRole::kIntensity},   {"scan", ColumnRole::kScanNumber},
+    {"scan_id", ColumnRole::kScanNumber}, {"scan_number", ColumnRole::kScanNumber},
+    {"revolution", ColumnRole::kScanNumber}, {"frame", ColumnRole::kScanNumber},
+    {"start", ColumnRole::kScanStart},    {"start_flag", ColumnRole::kScanStart},
+    {"sync", ColumnRole::kScanStart},     {"new_scan", ColumnRole::kScanStart},
+    {"angle_min", ColumnRole::kAngleMin}, {"angle_increment", ColumnRole::kAngleIncrement},
+    {"angle_max", ColumnRole::kAngleMax}, {"range_min", ColumnRole::kRangeMin},
+    {"range_max", ColumnRole::kRangeMax}, {"time_increment", ColumnRole::kTimeIncrement},
+    {"odom_x", ColumnRole::kOdomX},       {"odom_y", ColumnRole::kOdomY},
+    {"odom_theta", ColumnRole::kOdomTheta}, {"odom_yaw", ColumnRole::kOdomTheta},
+};
+
+struct Unit {
+  std::string_view suffix;
+  double scale;
+};
+
+constexpr Unit kUnits[] = {{"deg", kPi / 180.0}, {"rad", 1.0}, {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1.0},
+                           {"ns", 1e-9},         {"us", 1e-6}, {"ms", 1e-3}, {"s", 1.0},   {"sec", 1.0}};
+
+ColumnRole role_of(std::string_view name) {
+  const auto* found = std::find_if(std::begin(kNames), std::end(kNames), [&](const Name& n) { return n.name == name; });
+  return found == std::end(kNames) ? ColumnRole::kIgnored : found->role;
+}
+
+bool cut_suffix(std::string& name, std::string_view suffix) {
+  if (name.size() <= suffix.size() + 1 || !name.ends_with(suffix) || name[name.size() - suffix.size() - 1] != '_') return false;
+  name.resize(name.size() - suffix.size() - 1);
+  return true;
+}
+
+/// Lower case; brackets and blanks become one '_' each run; quotes and % go.
+std::string normalised(std::string_view name) {
+  std::string out;
+  for (const char c : name) {
+    if (c == '"' || c == '\'' || c == '%' || c == '#') continue;
+    const bool gap = c == ' ' || c == '[' || c == ']' || c == '(' || c == ')' || c == '/' || c == '_' || c == '-';
+    if (!gap) {
+      out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    } else if (!out.empty() && out.back() != '_') {
+      out += '_';
+    }
+  }
+  while (!out.empty() && out.back() == '_') out.pop_back();
+  for (const std::string_view prefix : {"field.", "msg."}) {
+    if (out.starts_with(prefix)) out.erase(0, prefix.size());
+  }
+  return out;
+}
+
+}  // namespace
+
+Column parse_column(std::string_view raw) {
+  std::string name = normalised(raw);
+  Column column;
+  column.scale = 0.0;
+  column.clockwise = cut_suffix(name, "cw");
+  for (const Unit& unit : kUnits) {
+    if (column.scale == 0.0 && cut_suffix(name, unit.suffix)) column.scale = unit.scale;
+  }
+  column.role = role_of(name);
+  if (column.role == ColumnRole::kIgnored) {
+    const auto digits = name.find_last_not_of("0123456789");
+    if (digits != std::string::npos && digits + 1 < name.size()) {
+      name.resize(digits + 1);
+      while (!name.empty() && name.back() == '_') name.pop_back();
+      column.role = role_of(name);
+      column.indexed = column.role == ColumnRole::kRange || column.role == ColumnRole::kIntensity;
+      if (!column.indexed) column.role = ColumnRole::kIgnored;
+    }
+  } else if (name == "ranges" || name == "distances") {
+    column.open_end = true;
+  }
+  return column;
+}
+
+const Column* CsvLayout::find(ColumnRole role) const {
+  const auto found = std::find_if(columns.begin(), columns.end(), [role](const Column& c) { return c.role == role; });
+  return found == columns.end() ? nullptr : &*found;
+}
+
+std::optional<CsvLayout> make_layout(const std::vector<std::string_view>& names, char separator) {
+  CsvLayout layout;
+  layout.separator = separator;
+  std::size_t ranges = 0;
+  for (const std::string_view name : names) {
+    layout.columns.push_back(parse_column(name));
+    const Column& column = layout.columns.back();
+    if (column.role == ColumnRole::kRange) {
+      ++ranges;
+      layout.whole_scans = layout.whole_scans || column.indexed || column.open_end;
+    }
+  }
+  if (ranges == 0) return std::nullopt;
+  if (!layout.whole_scans && (ranges > 1 || layout.find(ColumnRole::kAngle) == nullptr)) return std::nullopt;
+  return layout;
+}
+
+char guess_separator(std::string_view line) {
+  for (const char separator : {',', ';', '\t'}) {
+    if (line.find(separator) != std::string_view::npos) return separator;
+  }
+  return ' ';
+}
+
+std::string settle_units(CsvLayout& layout, const std::vector<std::vector<double>>& rows) {
+  std::string assumed;
+  for (std::size_t i = 0; i < layout.columns.size(); ++i) {
+    Column& column = layout.columns[i];
+    if (column.scale != 0.0) continue;
+    double largest = 0.0;
+    for (const auto& row : rows) {
+      const std::size_t end = column.open_end ? row.size() : std::min(i + 1, row.size());
+      for (std::size_t k = i; k < end; ++k) {
+        if (std::isfinite(row[k])) largest = std::max(largest, std::abs(row[k]));
+      }
+    }
+    column.scale = 1.0;
+    const char* unit = nullptr;
+    if (column.role == ColumnRole::kStamp) {
+      if (largest > 1e17) column.scale = 1e-9, unit = "stamps in ns";
+      else if (largest > 1e14) column.scale = 1e-6, unit = "stamps in us";
+      else if (largest > 1e11) column.scale = 1e-3, unit = "stamps in ms";
+    } else if (column.role == ColumnRole::kAngle || column.role == ColumnRole::kAngleMin || column.role == ColumnRole::kAngleMax) {
+      if (largest > 2.0 * kPi + 0.01) column.scale = kPi / 180.0, unit = "angles in degrees";
+    } else if (column.role == ColumnRole::kRange) {
+      if (largest > 100.0) column.scale = 1e-3, unit = "ranges in mm";
+    }
+    if (unit != nullptr && assumed.find(unit) == std::string::npos) assumed += (assumed.empty() ? "" : ", ") + std::string(unit);
+  }
+  // One unit for all beams of a scan, and one for all of its angles.
+  const auto same_scale = [&layout](auto belongs) {
+    double scale = 1.0;
+    for (const Column& column : layout.columns) {
+      if (belongs(column.role) && column.scale != 1.0) scale = column.scale;
+    }
+    for (Column& column : layout.columns) {
+      if (belongs(column.role)) column.scale = scale;
+    }
+  };
+  same_scale([](ColumnRole role) { return role == ColumnRole::kRange; });
+  same_scale([](ColumnRole role) {
+    return role == ColumnRole::kAngle || role == ColumnRole::kAngleMin || role == ColumnRole::kAngleMax || role == ColumnRole::kAngleIncrement;
+  });
+  for (Column& column : layout.columns) {
+    if (column.clockwise) column.scale = -column.scale;
+  }
+  return assumed;
+}
+
+}  // namespace phasescan

@@ -1,0 +1,140 @@
+// Source: ros2/rosbag2, storage of sqlite3 (schemas 1 to 4).
+#include "io/sqlite_bag.hpp"
+
+#include <sqlite3.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+
+#include "io/byte_source.hpp"
+
+namespace phasescan {
+namespace {
+
+struct CloseStatement {
+  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+};
+using Statement = std::unique_ptr<sqlite3_stmt, CloseStatement>;
+
+std::string column_text(sqlite3_stmt* statement, int column) {
+  const auto* raw = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
+  return raw == nullptr ? std::string() : std::string(raw);
+}
+
+constexpr int kMostTopics = 4096;
+constexpr int kMostRestarts = 64;
+
+}  // namespace
+
+struct SqliteBag::Impl {
+  sqlite3* db = nullptr;
+  Statement rows;
+  std::vector<BagTopic> topics;
+  std::int64_t last_id = 0;
+  std::int64_t step_over = 1;  ///< how far the next start lies behind a damaged place
+  int restarts = 0;
+  bool ended = false;
+
+  ~Impl() {
+    rows.reset();
+    sqlite3_close(db);
+  }
+
+  [[noreturn]] void fail() const { throw DecodeError(std::string("sqlite: ") + sqlite3_errmsg(db)); }
+
+  Statement prepare(const char* sql) const {
+    sqlite3_stmt* statement = nullptr;
+    if (sqlite3_prepare_v2(db, sql, -1, &statement, nullptr) != SQLITE_OK) fail();
+    return Statement(statement);
+  }
+
+  /// A hostile file may define views or virtual tables of the same names, which would run its own queries.
+  void expect_plain_table(const char* name) const {
+    const Statement statement = prepare("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?1 AND rootpage > 0");
+    sqlite3_bind_text(statement.get(), 1, name, -1, SQLITE_STATIC);
+    const int rc = sqlite3_step(statement.get());
+    if (rc != SQLITE_ROW && rc != SQLITE_DONE) fail();
+    if (rc == SQLITE_DONE) throw DecodeError(std::string("a database without a table '") + name + "': no rosbag2 recording");
+  }
+
+  void read_topics() {
+    const Statement statement = prepare("SELECT id, name, type, serialization_format FROM topics ORDER BY id");
+    int rc = SQLITE_ROW;
+    while (static_cast<int>(topics.size()) < kMostTopics && (rc = sqlite3_step(statement.get())) == SQLITE_ROW) {
+      topics.push_back({sqlite3_column_int64(statement.get(), 0), column_text(statement.get(), 1),
+                        column_text(statement.get(), 2), column_text(statement.get(), 3)});
+    }
+    if (rc != SQLITE_DONE && rc != SQLITE_ROW) fail();
+  }
+
+  void start_rows(std::int64_t after) {
+    rows = prepare("SELECT id, topic_id, timestamp, data FROM messages WHERE id > ?1 ORDER BY id");
+    sqlite3_bind_int64(rows.get(), 1, after);
+  }
+};
+
+bool looks_like_sqlite(Bytes first) {
+  return std::string_view(reinterpret_cast<const char*>(first.data()), first.size()).starts_with("SQLite format 3");
+}
+
+SqliteBag::SqliteBag(const std::string& path) : impl_(std::make_unique<Impl>()) {
+  // A recording that was not closed has its last messages in PATH-wal; without one the file never changes.
+  struct stat wal {};
+  const bool has_wal = ::stat((path + "-wal").c_str(), &wal) == 0 && wal.st_size > 0;
+  std::string uri = "file:";
+  for (const char c : path) {
+    if (c == '%' || c == '?' || c == '#') {
+      static constexpr char kHex[] = "0123456789ABCDEF";
+      uri += {'%', kHex[static_cast<unsigned char>(c) >> 4], kHex[c & 15]};
+    } else {
+      uri += c;
+    }
+  }
+  uri += has_wal ? "?mode=ro" : "?mode=ro&immutable=1";
+  Impl& bag = *impl_;
+  if (sqlite3_open_v2(uri.c_str(), &bag.db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr) != SQLITE_OK) bag.fail();
+  const std::uint64_t bytes = file_size_bytes(path);
+  sqlite3_limit(bag.db, SQLITE_LIMIT_LENGTH, static_cast<int>(std::clamp<std::uint64_t>(bytes, 1 << 16, 1 << 26)));
+  // writable_schema lets sqlite start on a file that was cut off; the connection stays read-only.
+  for (const char* pragma : {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON", "PRAGMA mmap_size=0",
+                             "PRAGMA writable_schema=ON", "PRAGMA cache_size=-2048"}) {
+    sqlite3_exec(bag.db, pragma, nullptr, nullptr, nullptr);
+  }
+  bag.expect_plain_table("topics");
+  bag.expect_plain_table("messages");
+  bag.read_topics();
+  bag.start_rows(INT64_MIN);
+}
+
+SqliteBag::~SqliteBag() = default;
+
+const std::vector<BagTopic>& SqliteBag::topics() const { return impl_->topics; }
+
+std::optional<BagRow> SqliteBag::next() {
+  Impl& bag = *impl_;
+  if (bag.ended) return std::nullopt;
+  const int rc = sqlite3_step(bag.rows.get());
+  if (rc == SQLITE_DONE) {
+    bag.ended = true;
+    return std::nullopt;
+  }
+  if (rc != SQLITE_ROW) {
+    const std::string why = std::string("sqlite: ") + sqlite3_errmsg(bag.db) + " after row " + std::to_string(bag.last_id);
+    // Behind a lost page whole pages of good rows may follow: try ever farther on.
+    bag.ended = ++bag.restarts > kMostRestarts || bag.last_id > INT64_MAX - bag.step_over;
+    if (!bag.ended) {
+      bag.last_id += bag.step_over;
+      bag.step_over *= 2;
+      bag.start_rows(bag.last_id);
+    }
+    throw DecodeError(why);
+  }
+  bag.step_over = 1;
+  sqlite3_stmt* row = bag.rows.get();
+  bag.last_id = sqlite3_column_int64(row, 0);
+  const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(row, 3));
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(row, 3));
+  return BagRow{sqlite3_column_int64(row, 1), sqlite3_column_int64(row, 2), Bytes(data, data == nullptr ? 0 : size)};
+}
+
+}  // namespace phasescan
