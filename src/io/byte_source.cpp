@@ -22,8 +22,11 @@ constexpr std::size_t kBufferBytes = std::size_t{1} << 18;
 
 class FileSource : public ByteSource {
  public:
-  explicit FileSource(std::string path) : path_(std::move(path)), fd_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+  FileSource(std::string path, std::uint64_t from)
+      : path_(std::move(path)), fd_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
     if (fd_ < 0) throw_errno(path_);
+    // Beyond any file there is nothing to read, which is what a wrong offset should give.
+    if (from > 0) ::lseek(fd_, static_cast<off_t>(std::min<std::uint64_t>(from, INT64_MAX)), SEEK_SET);
   }
   ~FileSource() override { ::close(fd_); }
   FileSource(const FileSource&) = delete;
@@ -44,7 +47,9 @@ class FileSource : public ByteSource {
 
 }  // namespace
 
-std::unique_ptr<ByteSource> open_file_source(const std::string& path) { return std::make_unique<FileSource>(path); }
+std::unique_ptr<ByteSource> open_file_source(const std::string& path, std::uint64_t from) {
+  return std::make_unique<FileSource>(path, from);
+}
 
 std::uint64_t file_size_bytes(const std::string& path) {
   struct stat info {};

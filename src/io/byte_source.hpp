@@ -18,8 +18,8 @@ class ByteSource {
   virtual std::size_t read(std::uint8_t* out, std::size_t n) = 0;
 };
 
-/// A file from its first byte. @throws InputError where there is no such file, SystemError where it may not be read.
-std::unique_ptr<ByteSource> open_file_source(const std::string& path);
+/// A file from its first byte, or from byte `from`. @throws InputError where there is no such file, SystemError where it may not be read.
+std::unique_ptr<ByteSource> open_file_source(const std::string& path, std::uint64_t from = 0);
 
 /// Size of a file [bytes].
 std::uint64_t file_size_bytes(const std::string& path);
@@ -34,6 +34,8 @@ class ByteStream {
   Bytes take(std::uint64_t n);
   /// As `take`, without moving on.
   Bytes peek(std::uint64_t n);
+  /// What is in the buffer already: no look at the source, so no failure.
+  Bytes buffered() const { return {buffer_.data() + begin_, end_ - begin_}; }
   /// Moves on by n bytes; returns how many there were.
   std::uint64_t skip(std::uint64_t n);
   /// Bytes taken so far.

@@ -110,6 +110,8 @@ class Rosbag1Container final : public ros::Container {
 
   bool read_record(ByteStream& stream, bool in_chunk) {
     if (stream.at_end()) {
+      if (file_.position() < index_position_) damaged("the file ends before its index at byte " + std::to_string(index_position_));
+      if (!has_file_header_) damaged("the file ends before its header");
       ended_ = true;
       return false;
     }
@@ -133,6 +135,9 @@ class Rosbag1Container final : public ros::Container {
         data_bytes = std::uint64_t{12} * fields.number<std::uint32_t>("count");
         break;
       case kFileHeader:
+        has_file_header_ = true;
+        index_position_ = fields.number<std::uint64_t>("index_pos");
+        break;
       case kChunkInfo: break;
       default: throw DecodeError("a record of unknown kind " + std::to_string(fields.number<std::uint8_t>("op")));
     }
@@ -156,11 +161,37 @@ class Rosbag1Container final : public ros::Container {
     connections_[fields.number<std::uint32_t>("conn")] = log_.channel(topic, type, ros::Wire::kRos1);
   }
 
+  /// A connection whose description was lost with its chunk may stand in the index at the end of the file, too.
+  void ask_index() {
+    index_asked_ = true;
+    if (index_position_ == 0) return;
+    ByteStream index(open_file_source(path_, index_position_));
+    try {
+      std::vector<std::uint8_t> header;
+      while (!index.at_end()) {
+        const Bytes raw = index.take(std::min<std::uint64_t>(take_u32(index), kMostHeaderBytes));
+        header.assign(raw.begin(), raw.end());
+        const Fields fields{Bytes(header)};
+        const Bytes data = index.take(std::min<std::uint64_t>(take_u32(index), kMostMessageBytes));
+        if (fields.number<std::uint8_t>("op") != kConnection) return;
+        if (!connections_.contains(fields.number<std::uint32_t>("conn"))) read_connection(fields, data);
+      }
+    } catch (const DecodeError&) {
+      return;  // the index is a help, not a witness
+    }
+  }
+
+  static std::uint32_t take_u32(ByteStream& stream) { return ByteReader(stream.take(4)).get<std::uint32_t>(); }
+
   void read_message(ByteStream& stream, const Fields& fields, std::uint64_t data_bytes) {
     const auto id = fields.number<std::uint32_t>("conn");
     const auto time = fields.number<std::uint64_t>("time");
     const Stamp log_time = static_cast<Stamp>(time & 0xFFFFFFFFU) * 1'000'000'000 + static_cast<Stamp>(time >> 32U);
-    const auto found = connections_.find(id);
+    auto found = connections_.find(id);
+    if (found == connections_.end() && !index_asked_) {
+      ask_index();
+      found = connections_.find(id);
+    }
     if (found != connections_.end() && ros::RosLogReader::wanted(*found->second)) {
       log_.message(*found->second, log_time, take_data(stream, data_bytes));
       return;
@@ -201,6 +232,9 @@ class Rosbag1Container final : public ros::Container {
   std::vector<std::uint8_t> header_;
   std::map<std::uint32_t, ros::Channel*> connections_;
   std::map<std::string, std::size_t> chunks_;
+  std::uint64_t index_position_ = 0;
+  bool has_file_header_ = false;
+  bool index_asked_ = false;
   bool ended_ = false;
   bool cut_reported_ = false;
 };

@@ -32,6 +32,7 @@ struct SqliteBag::Impl {
   std::vector<BagTopic> topics;
   std::int64_t last_id = 0;
   std::int64_t step_over = 1;  ///< how far the next start lies behind a damaged place
+  bool first = true;
   int restarts = 0;
   bool ended = false;
 
@@ -129,9 +130,16 @@ std::optional<BagRow> SqliteBag::next() {
     }
     throw DecodeError(why);
   }
-  bag.step_over = 1;
   sqlite3_stmt* row = bag.rows.get();
-  bag.last_id = sqlite3_column_int64(row, 0);
+  const std::int64_t id = sqlite3_column_int64(row, 0);
+  if (id <= bag.last_id && !bag.first) {
+    // A damaged tree can lead back to rows that were read already, and round and round.
+    bag.ended = true;
+    throw DecodeError("sqlite: row " + std::to_string(id) + " stands behind row " + std::to_string(bag.last_id));
+  }
+  bag.first = false;
+  bag.step_over = 1;
+  bag.last_id = id;
   const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(row, 3));
   const auto size = static_cast<std::size_t>(sqlite3_column_bytes(row, 3));
   return BagRow{sqlite3_column_int64(row, 1), sqlite3_column_int64(row, 2), Bytes(data, data == nullptr ? 0 : size)};
