@@ -5,9 +5,9 @@
 #include <deque>
 
 #include "io/csv_columns.hpp"
+#include "io/log_format.hpp"
+#include "io/text_log.hpp"
 #include "io/text_numbers.hpp"
-#include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
 
 namespace phasescan {
 namespace {
@@ -29,9 +29,9 @@ std::optional<CsvLayout> layout_of_line(std::string_view line) {
 
 bool is_comment(std::string_view line) { return line.empty() || line.front() == '#'; }
 
-class CsvReader final : public LogReader {
+class CsvReader final : public TextLogReader {
  public:
-  CsvReader(const std::string& path, const LogOptions& options) : lines_(path) {
+  CsvReader(const std::string& path, const LogOptions& options) : TextLogReader(path) {
     if (!options.columns.empty()) {
       std::vector<std::string_view> names;
       split_fields(options.columns, ',', names);
@@ -83,13 +83,13 @@ class CsvReader final : public LogReader {
 
   void find_header() {
     std::string line;
-    for (std::size_t i = 0; i < kHeaderLines && read_line(line); ++i) {
+    for (std::size_t i = 0; i < kHeaderLines && next_line(line); ++i) {
       if (const auto layout = layout_of_line(line)) {
         layout_ = *layout;
         return;
       }
     }
-    throw InputError(lines_.path(), lines_.line_number(), "no header that names ranges; expected one, or --columns");
+    throw InputError(path(), line_number(), "no header that names ranges; expected one, or --columns");
   }
 
   void look_ahead() {
@@ -105,17 +105,6 @@ class CsvReader final : public LogReader {
     assumed_ = settle_units(layout_, rows);
   }
 
-  bool read_line(std::string& line) {
-    if (ended_) return false;
-    try {
-      if (lines_.next(line)) return true;
-    } catch (const InputError& error) {
-      add_damage("unreadable rest", error.what());
-    }
-    ended_ = true;
-    return false;
-  }
-
   std::optional<Row> next_row() {
     if (ahead_.empty()) return parse_row();
     Row row = std::move(ahead_.front());
@@ -126,19 +115,17 @@ class CsvReader final : public LogReader {
   /// The next line of numbers. Columns that nobody reads may hold anything; an empty range is a missing return.
   std::optional<Row> parse_row() {
     std::string line;
-    while (read_line(line)) {
+    while (next_line(line)) {
       if (is_comment(line)) continue;
       if (guess_separator_) layout_.separator = guess_separator(line), guess_separator_ = false;
       split_fields(line, layout_.separator, fields_);
-      if (fields_.size() == 1 && fields_[0].empty()) continue;
       const bool open_end = layout_.columns.back().open_end;
       if (open_end ? fields_.size() < layout_.columns.size() : fields_.size() != layout_.columns.size()) {
-        damaged(lines_.line_was_ended() ? "wrong count" : "truncated line",
-                std::to_string(fields_.size()) + " fields; expected " + std::to_string(layout_.columns.size()));
+        damage_here("wrong count", std::to_string(fields_.size()) + " fields; expected " + std::to_string(layout_.columns.size()));
         continue;
       }
       Row row;
-      row.line = lines_.line_number();
+      row.line = line_number();
       if (parse_fields(row)) return row;
     }
     return std::nullopt;
@@ -155,7 +142,7 @@ class CsvReader final : public LogReader {
         row.stamp_seconds = parse_stamp(fields_[i]);
       }
       if (!value) {
-        damaged("bad number", "field " + std::to_string(i + 1) + " is " + quote_text(fields_[i]) + "; expected a number");
+        damage_here("bad number", "field " + std::to_string(i + 1) + " is " + quote_text(fields_[i]) + "; expected a number");
         return false;
       }
       row.numbers.push_back(*value);
@@ -165,10 +152,6 @@ class CsvReader final : public LogReader {
 
   const Column& column_at(std::size_t field) const {
     return layout_.columns[std::min(field, layout_.columns.size() - 1)];
-  }
-
-  void damaged(const std::string& kind, const std::string& why) {
-    add_damage(kind, lines_.path() + ":" + std::to_string(lines_.line_number()) + ": " + why);
   }
 
   /// A row's number of a role in SI units.
@@ -211,7 +194,7 @@ class CsvReader final : public LogReader {
     try {
       entry.scan = make_scan(raw, geometry, angles);
     } catch (const std::invalid_argument& error) {
-      add_damage("bad scan", lines_.path() + ":" + std::to_string(row.line) + ": " + error.what());
+      add_damage("bad scan", path() + ":" + std::to_string(row.line) + ": " + error.what());
       return std::nullopt;
     }
     entry.line = row.line;
@@ -255,7 +238,7 @@ class CsvReader final : public LogReader {
   std::optional<LogEntry> add_beam(const Row& row) {
     const double angle = *value(row.numbers, ColumnRole::kAngle);
     if (!std::isfinite(angle)) {
-      add_damage("bad number", lines_.path() + ":" + std::to_string(row.line) + ": the angle is not finite");
+      add_damage("bad number", path() + ":" + std::to_string(row.line) + ": the angle is not finite");
       return std::nullopt;
     }
     std::optional<LogEntry> entry;
@@ -281,7 +264,6 @@ class CsvReader final : public LogReader {
     return entry;
   }
 
-  LineReader lines_;
   CsvLayout layout_;
   bool guess_separator_ = false;
   std::string assumed_;
@@ -291,7 +273,6 @@ class CsvReader final : public LogReader {
   Row first_;
   double direction_ = 0.0;
   long scans_ = 0;
-  bool ended_ = false;
 };
 
 }  // namespace
@@ -307,6 +288,11 @@ bool looks_like_csv(std::string_view prefix) {
     prefix.remove_prefix(end + 1);
   }
   return false;
+}
+
+LogFormat csv_format() {
+  return {"CSV with a header (or --columns)",
+          [](const std::string&, std::string_view prefix) { return looks_like_csv(prefix); }, open_csv};
 }
 
 std::unique_ptr<LogReader> open_csv(const std::string& path, const LogOptions& options) {

@@ -23,5 +23,11 @@ struct LogFormat {
 
 LogFormat scan_log_format();
 LogFormat carmen_format();
+LogFormat rosbag1_format();
+LogFormat rosbag2_format();
+LogFormat mcap_format();
+LogFormat packed_recording_format();
+LogFormat lowcost_format();
+LogFormat csv_format();
 
 }  // namespace phasescan

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "io/log_format.hpp"
+#include "io/text_log.hpp"
 #include "io/text_numbers.hpp"
-#include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
 
 namespace phasescan {
 namespace {
@@ -17,6 +17,7 @@ constexpr std::size_t kBreezyBeams = 682;
 constexpr std::size_t kPolarHead = 3;
 constexpr std::size_t kFewestPolarBeams = 64;
 constexpr double kMillimetre = 1e-3;
+constexpr std::size_t kPrefixBytes = std::size_t{1} << 16;
 
 /// Adds a step of wheel odometry: forward on the arc's chord, then turned.
 Pose2 add_step(const Pose2& pose, double forward_m, double turn_rad) {
@@ -31,27 +32,27 @@ int wrapped_difference(double now, double before) {
 
 bool is_integer_up_to(double value, double most) { return std::abs(value) <= most && value == std::floor(value); }
 
-class LowcostReader : public LogReader {
+class LowcostReader : public TextLogReader {
  public:
-  explicit LowcostReader(const std::string& path) : lines_(path) {}
+  using TextLogReader::TextLogReader;
 
   std::optional<LogEntry> next() final {
     std::string line;
     while (next_line(line)) {
+      if (line.front() == '#') continue;
       split_fields(line, separator(), fields_);
-      if (fields_.empty() || (fields_.size() == 1 && fields_[0].empty()) || line.front() == '#') continue;
-      // The last line of a file that was cut off may still look like a number.
-      if (!lines_.line_was_ended() && !whole_by_count(fields_.size())) {
-        damaged("truncated line", "the file ends inside the line");
+      // The last line of a file that was cut off may still be made of numbers.
+      if (!line_was_ended() && !whole_by_count(fields_.size())) {
+        damage_here("truncated line", "the file ends inside the line");
         continue;
       }
       if (!parse_numbers(fields_, numbers_)) {
-        damaged("bad number", "field " + std::to_string(numbers_.size() + 1) + " is " + quote_text(fields_[numbers_.size()]) +
-                                  "; expected a number");
+        damage_here("bad number", "field " + std::to_string(numbers_.size() + 1) + " is " +
+                                      quote_text(fields_[numbers_.size()]) + "; expected a number");
         continue;
       }
       LogEntry entry;
-      entry.line = lines_.line_number();
+      entry.line = line_number();
       if (read(numbers_, entry)) return entry;
     }
     return std::nullopt;
@@ -68,12 +69,9 @@ class LowcostReader : public LogReader {
   virtual bool whole_by_count(std::size_t fields) const = 0;
   virtual bool read(const std::vector<double>& numbers, LogEntry& entry) = 0;
 
-  void damaged(const std::string& kind, const std::string& why) {
-    add_damage(kind, lines_.path() + ":" + std::to_string(lines_.line_number()) + ": " + why);
-  }
   bool wrong_count(std::size_t expected, std::size_t got) {
     if (got == expected) return false;
-    damaged("wrong count", std::to_string(got) + " numbers; expected " + std::to_string(expected));
+    damage_here("wrong count", std::to_string(got) + " numbers; expected " + std::to_string(expected));
     return true;
   }
 
@@ -88,22 +86,9 @@ class LowcostReader : public LogReader {
   std::size_t odometry_left_out_ = 0;
 
  private:
-  bool next_line(std::string& line) {
-    if (ended_) return false;
-    try {
-      if (lines_.next(line)) return true;
-    } catch (const InputError& error) {
-      add_damage("unreadable rest", error.what());
-    }
-    ended_ = true;
-    return false;
-  }
-
-  LineReader lines_;
   std::vector<std::string_view> fields_;
   std::vector<double> numbers_;
   std::vector<float> raw_;
-  bool ended_ = false;
 };
 
 class SlambotReader final : public LowcostReader {
@@ -117,7 +102,7 @@ class SlambotReader final : public LowcostReader {
   bool read(const std::vector<double>& n, LogEntry& entry) override {
     if (wrong_count(kSlambotNumbers, n.size())) return false;
     if (!is_integer_up_to(n[0], 65536) || !is_integer_up_to(n[1], 65536) || !is_integer_up_to(n[2], 65536)) {
-      damaged("bad number", "encoder or time is no integer of 16 bits");
+      damage_here("bad number", "encoder or time is no integer of 16 bits");
       return false;
     }
     ScanGeometry geometry;
@@ -173,7 +158,7 @@ class BreezyReader final : public LowcostReader {
   bool read(const std::vector<double>& n, LogEntry& entry) override {
     if (wrong_count(kBreezyHead + kBreezyBeams + 1, n.size())) return false;
     if (!is_integer_up_to(n[0], 9e15) || !is_integer_up_to(n[2], 1e12) || !is_integer_up_to(n[3], 1e12)) {
-      damaged("bad number", "time or encoder is no integer");
+      damage_here("bad number", "time or encoder is no integer");
       return false;
     }
     ScanGeometry geometry;
@@ -217,11 +202,11 @@ class PolarReader final : public LowcostReader {
 
   bool read(const std::vector<double>& n, LogEntry& entry) override {
     if (n.size() < kPolarHead + 1) {
-      damaged("wrong count", std::to_string(n.size()) + " numbers; expected distance, turn, seconds and ranges");
+      damage_here("wrong count", std::to_string(n.size()) + " numbers; expected distance, turn, seconds and ranges");
       return false;
     }
     if (!std::isfinite(n[0]) || !std::isfinite(n[1]) || !(n[2] >= 0.0 && n[2] < 1e6)) {
-      damaged("bad number", "distance, turn or seconds is out of bounds");
+      damage_here("bad number", "distance, turn or seconds is out of bounds");
       return false;
     }
     ScanGeometry geometry;
@@ -244,6 +229,18 @@ class PolarReader final : public LowcostReader {
   Stamp stamp_ = 0;
 };
 
+/// The first line that is no comment.
+std::string_view first_line(std::string_view text) {
+  for (;;) {
+    const std::size_t end = text.find('\n');
+    std::string_view line = text.substr(0, end);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    if (!line.empty() && line.front() != '#') return line;
+    if (end == std::string_view::npos) return {};
+    text.remove_prefix(end + 1);
+  }
+}
+
 }  // namespace
 
 std::optional<LowcostFormat> sniff_lowcost(std::string_view first_line) {
@@ -265,6 +262,14 @@ std::unique_ptr<LogReader> open_lowcost(const std::string& path, LowcostFormat f
     case LowcostFormat::kPolar: break;
   }
   return std::make_unique<PolarReader>(path);
+}
+
+LogFormat lowcost_format() {
+  return {"low-cost text",
+          [](const std::string&, std::string_view prefix) { return sniff_lowcost(first_line(prefix)).has_value(); },
+          [](const std::string& path, const LogOptions&) {
+            return open_lowcost(path, sniff_lowcost(first_line(read_prefix(path, kPrefixBytes))).value());
+          }};
 }
 
 }  // namespace phasescan

@@ -2,9 +2,8 @@
 
 #include <filesystem>
 
-#include "io/csv_log.hpp"
 #include "io/decompress.hpp"
-#include "io/lowcost_log.hpp"
+#include "io/log_format.hpp"
 #include "io/mcap_log.hpp"
 #include "io/rosbag1_log.hpp"
 #include "io/rosbag2_log.hpp"
@@ -14,19 +13,7 @@
 namespace phasescan {
 namespace {
 
-constexpr std::size_t kPrefixBytes = std::size_t{1} << 17;
-
-/// The first line that is no comment.
-std::string_view first_line(std::string_view text) {
-  for (;;) {
-    const std::size_t end = text.find('\n');
-    std::string_view line = text.substr(0, end);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    if (!line.empty() && line.front() != '#') return line;
-    if (end == std::string_view::npos) return {};
-    text.remove_prefix(end + 1);
-  }
-}
+Bytes as_bytes(std::string_view text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
 
 /// As much of the beginning as can be had; damage further on is the reader's to name.
 Bytes safe_peek(ByteStream& stream, std::size_t n) {
@@ -45,20 +32,47 @@ std::unique_ptr<LogReader> open_recording(const std::string& path, const LogOpti
   ByteStream stream(open_file_source(path));
   const Compression compression = sniff_compression(stream.peek(4));
   if (compression != Compression::kNone) stream = ByteStream(decompress(compression, open_file_source(path)));
-  const Bytes first = safe_peek(stream, kPrefixBytes);
+  const Bytes first = safe_peek(stream, 16);
   if (looks_like_rosbag1(first)) return open_rosbag1(path, std::move(stream), options);
   if (looks_like_mcap(first)) return open_mcap(path, std::move(stream), options);
   if (looks_like_sqlite(first)) {
     if (compression == Compression::kNone) return open_rosbag2_sqlite(path, options);
     return open_rosbag2_packed_sqlite(path, std::move(stream), options);
   }
-  // Text is read through LineReader, which knows gzip alone.
-  if (compression != Compression::kNone && compression != Compression::kGzip) return nullptr;
-  if (!options.columns.empty()) return open_csv(path, options);
-  const std::string_view text(reinterpret_cast<const char*>(first.data()), first.size());
-  if (const auto lowcost = sniff_lowcost(first_line(text))) return open_lowcost(path, *lowcost);
-  if (looks_like_csv(text)) return open_csv(path, options);
   return nullptr;
+}
+
+namespace {
+
+std::unique_ptr<LogReader> open_known(const std::string& path, const LogOptions& options) {
+  auto log = open_recording(path, options);
+  if (!log) throw InputError(path, 0, "is packed and no recording; expected a rosbag or an MCAP inside");
+  return log;
+}
+
+}  // namespace
+
+LogFormat rosbag1_format() {
+  return {"rosbag1", [](const std::string&, std::string_view prefix) { return looks_like_rosbag1(as_bytes(prefix)); },
+          open_known};
+}
+
+LogFormat rosbag2_format() {
+  return {"rosbag2 (a folder or a .db3)",
+          [](const std::string&, std::string_view prefix) { return prefix.empty() || looks_like_sqlite(as_bytes(prefix)); },
+          open_known};
+}
+
+LogFormat mcap_format() {
+  return {"MCAP", [](const std::string&, std::string_view prefix) { return looks_like_mcap(as_bytes(prefix)); }, open_known};
+}
+
+LogFormat packed_recording_format() {
+  return {"one of these packed with bz2, lz4 or zstd",
+          [](const std::string&, std::string_view prefix) {
+            return sniff_compression(as_bytes(prefix)) != Compression::kNone;
+          },
+          open_known};
 }
 
 }  // namespace phasescan

@@ -239,7 +239,7 @@ std::unique_ptr<LogReader> open_rosbag2_folder(const std::string& path, const Lo
   std::error_code error;
   Recording recording = fs::exists(metadata, error) ? read_metadata(path, metadata) : list_folder(path);
   if (recording.files.empty()) {
-    throw InputError(path, 0, "a folder without metadata.yaml, .db3 or .mcap; expected a rosbag2 recording");
+    throw InputError(path, 0, "is a folder without metadata.yaml, .db3 or .mcap; expected a rosbag2 recording");
   }
   auto log = std::make_unique<ros::RosLogReader>(path, options);
   log->read_from(std::make_unique<FolderContainer>(std::move(recording.files), std::move(recording.about), *log));

@@ -40,6 +40,7 @@ class TextLogReader : public LogReader {
     add_damage(lines_.line_was_ended() ? kind : "truncated line", place.what());
   }
 
+  bool line_was_ended() const { return lines_.line_was_ended(); }
   long line_number() const { return lines_.line_number(); }
   const std::string& path() const { return lines_.path(); }
 

@@ -277,6 +277,7 @@ inline void rosbag2_sqlite(const std::string& path, const std::vector<Message>& 
 }
 
 inline void write_bytes(const std::string& path, const std::string& bytes) {
+  std::remove(path.c_str());  // truncating a file in place makes the kernel write the old one out first
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 inline std::string read_bytes(const std::string& path) {
