@@ -2,7 +2,9 @@
 
 #include "match/image_stages.hpp"
 #include "match/stage_clock.hpp"
+#include "phasescan/refine/covariance.hpp"
 #include "phasescan/refine/icp.hpp"
+#include "phasescan/refine/ndt.hpp"
 #include "phasescan/scan/points.hpp"
 
 namespace phasescan {
@@ -12,6 +14,7 @@ struct PaperReference final : Reference::Data {
   using Data::Data;
   ScanPoints points;
   PointIndex index;
+  NdtLevels ndt;
   ImageReference image;
 };
 
@@ -72,9 +75,9 @@ class PaperEngine final : public MatchEngine {
     clock.add_to(ms.image);
     if (!enough(data.points)) return;
     if (images_) images_->prepare(reference, data.points, data.image, ms);
-    if (!steps_.icp) return;
     StageClock refine_clock;
-    data.index.build(data.points);
+    if (steps_.icp) data.index.build(data.points);
+    if (steps_.ndt) build_ndt(data.points, options_.ndt, data.ndt);
     refine_clock.add_to(ms.refine);
   }
 
@@ -90,6 +93,10 @@ class PaperEngine final : public MatchEngine {
     clock.add_to(result.ms.image);
     if (!enough(reference.points) || !enough(points_)) return result;
 
+    if (steps_.ndt) {
+      refine_ndt(reference, result);
+      return result;
+    }
     if (!steps_.image) {
       refine(reference, hints.guess ? options_.icp.gate_guess_m : options_.icp.gate_start_m, result);
       return result;
@@ -98,14 +105,14 @@ class PaperEngine final : public MatchEngine {
       if (steps_.icp) {
         refine(reference, options_.icp.gate_guess_m, result);
       } else {
-        accept(images_->translate(reference.image, points_, hints.guess->theta, false, result.ms), RotationSource::kGuess, result);
+        accept(images_->translate(reference.image, points_, hints.guess->theta, false, result.ms), RotationSource::kGuess, reference.image.grid, result);
       }
       return result;
     }
     if (steps_.missing) {
       const std::optional<double> theta = images_->rotation_from_missing(reference.image, scan, result.ms);
       if (theta) {
-        accept(images_->translate(reference.image, points_, *theta, false, result.ms), RotationSource::kMissingData, result);
+        accept(images_->translate(reference.image, points_, *theta, false, result.ms), RotationSource::kMissingData, reference.image.grid, result);
         if (result.usable) refine(reference, options_.icp.gate_guess_m, result);
         if (result.usable || !options_.missing.verify) return result;
       }
@@ -117,31 +124,53 @@ class PaperEngine final : public MatchEngine {
           images_->translate(reference.image, points_, candidate.theta, options_.rotation.twin, result.ms);
       if (estimate.score > best.score) best = estimate;
     }
-    accept(best, RotationSource::kSpectrum, result);
+    accept(best, RotationSource::kSpectrum, reference.image.grid, result);
     if (result.usable && steps_.icp) refine(reference, options_.icp.gate_guess_m, result);
     return result;
   }
 
-  void accept(const ImageEstimate& estimate, RotationSource source, MatchResult& result) const {
+  void accept(const ImageEstimate& estimate, RotationSource source, const ImageGrid& grid, MatchResult& result) const {
     result.T_ref_scan = estimate.T_ref_scan;
     result.rotation_source = source;
     result.overlap = estimate.score;
     result.status = estimate.score >= options_.translation.min_score && estimate.score > 0.0 ? MatchStatus::kConverged
                                                                                              : MatchStatus::kNoPeak;
     result.usable = result.status == MatchStatus::kConverged;
+    // Good to about a pixel and a degree.
+    const double pixel = 1.0 / grid.pixels_per_m(), turn = deg_to_rad(1.0);
+    result.covariance = Eigen::Vector3d(pixel * pixel, pixel * pixel, turn * turn).asDiagonal();
   }
 
   /// Step 5.
   void refine(const PaperReference& reference, double gate_start_m, MatchResult& result) {
     StageClock clock;
     const IcpResult refined = icp_.align(reference.index, points_, result.T_ref_scan, gate_start_m);
-    clock.add_to(result.ms.refine);
     result.T_ref_scan = refined.T_ref_scan;
     result.iterations = refined.iterations;
     result.overlap = refined.overlap;
-    result.status = !refined.converged                           ? MatchStatus::kNotConverged
-                    : refined.overlap < options_.icp.min_overlap ? MatchStatus::kLowOverlap
-                                                                 : MatchStatus::kConverged;
+    settle(refined.converged, options_.icp.min_overlap, result);
+    result.covariance = surface_covariance(reference.points, points_, result.T_ref_scan, icp_.pairs());
+    clock.add_to(result.ms.refine);
+  }
+
+  void refine_ndt(const PaperReference& reference, MatchResult& result) {
+    StageClock clock;
+    const NdtResult refined = align_ndt(reference.ndt, points_, result.T_ref_scan, options_.ndt);
+    result.T_ref_scan = refined.T_ref_scan;
+    result.iterations = refined.iterations;
+    result.overlap = refined.overlap;
+    settle(refined.converged, options_.ndt.min_overlap, result);
+    // Near the optimum the score is -sum exp(-e^2 / 2): its Hessian is an information matrix, with every point counted in up to
+    // four grids.
+    result.covariance = covariance_from_information(0.25 * refined.score.hessian);
+    clock.add_to(result.ms.refine);
+  }
+
+  /// Status of a refinement, and whether it may be acted on.
+  static void settle(bool converged, double min_overlap, MatchResult& result) {
+    result.status = !converged                     ? MatchStatus::kNotConverged
+                    : result.overlap < min_overlap ? MatchStatus::kLowOverlap
+                                                   : MatchStatus::kConverged;
     result.usable = result.status == MatchStatus::kConverged;
   }
 

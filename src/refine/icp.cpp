@@ -4,7 +4,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace phasescan {
 
@@ -32,18 +31,21 @@ void Icp::find_pairs(const PointIndex& reference, double gate) {
     }
     const float dx = reference.x(warm.index) - x_[i], dy = reference.y(warm.index) - y_[i];
     const float squared = dx * dx + dy * dy;
-    if (squared <= limit * limit) pairs_.push_back({squared, static_cast<int>(i), warm.index});
+    squared_[i] = squared;
+    if (squared <= limit * limit) pairs_.push_back({static_cast<int>(i), warm.index});
   }
-  if (options_.trim < 1.0 && pairs_.size() > 2) {
-    const auto keep = std::max<std::size_t>(2, static_cast<std::size_t>(options_.trim * static_cast<double>(pairs_.size())));
-    // Ties are broken by the beam, so that the kept set does not depend on the order of the selection.
-    std::nth_element(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(keep) - 1, pairs_.end(),
-                     [](const Pair& a, const Pair& b) {
-                       return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance
-                                                                       : a.scan < b.scan;
-                     });
-    pairs_.resize(keep);
-  }
+  if (options_.trim < 1.0 && pairs_.size() > 2) trim_pairs();
+}
+
+void Icp::trim_pairs() {
+  const auto keep = std::max<std::size_t>(2, static_cast<std::size_t>(options_.trim * static_cast<double>(pairs_.size())));
+  // Ties are broken by the beam, so that the kept set does not depend on the order of the selection.
+  std::nth_element(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(keep) - 1, pairs_.end(),
+                   [&](const PointPair& a, const PointPair& b) {
+                     const float da = squared_[static_cast<std::size_t>(a.scan)], db = squared_[static_cast<std::size_t>(b.scan)];
+                     return da != db ? da < db : a.scan < b.scan;
+                   });
+  pairs_.resize(keep);
 }
 
 IcpResult Icp::align(const PointIndex& reference, const ScanPoints& scan, const Pose2& guess, double gate_start_m) {
@@ -58,6 +60,7 @@ IcpResult Icp::align(const PointIndex& reference, const ScanPoints& scan, const 
   x_.resize(n);
   y_.resize(n);
   warm_.assign(n, Warm{0.0F, 0.0F, -1.0F, 0});
+  squared_.resize(n);
   pairs_.reserve(n);
   const double turn_tolerance = deg_to_rad(options_.tolerance_deg);
 
@@ -78,13 +81,13 @@ IcpResult Icp::align(const PointIndex& reference, const ScanPoints& scan, const 
     Eigen::Vector2d mean_s = Eigen::Vector2d::Zero(), mean_m = Eigen::Vector2d::Zero();
     Eigen::Matrix2d cross = Eigen::Matrix2d::Zero();
     double squared = 0.0;
-    for (const Pair& pair : pairs_) {
+    for (const PointPair& pair : pairs_) {
       const Eigen::Vector2d p(x_[static_cast<std::size_t>(pair.scan)], y_[static_cast<std::size_t>(pair.scan)]);
       const Eigen::Vector2d m(reference.x(pair.reference), reference.y(pair.reference));
       mean_s += p;
       mean_m += m;
       cross += p * m.transpose();
-      squared += static_cast<double>(pair.squared_distance);
+      squared += static_cast<double>(squared_[static_cast<std::size_t>(pair.scan)]);
     }
     mean_s *= weight;
     mean_m *= weight;

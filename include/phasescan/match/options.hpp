@@ -5,6 +5,7 @@
 #include "phasescan/image/rasterize.hpp"
 #include "phasescan/match/mh_options.hpp"
 #include "phasescan/refine/icp.hpp"
+#include "phasescan/refine/ndt.hpp"
 #include "phasescan/rotation/from_spectrum.hpp"
 #include "phasescan/scan/missing.hpp"
 #include "phasescan/spectrum/spectrum.hpp"
@@ -42,6 +43,7 @@ struct MatchOptions {
   RotationOptions rotation;
   TranslationOptions translation;
   IcpOptions icp;
+  NdtOptions ndt;
   MhOptions mh;
 
   /// Calls v(section_name, section_struct) for each stage, in the order of the pipeline.
@@ -54,6 +56,7 @@ struct MatchOptions {
     v("rotation", self.rotation);
     v("translation", self.translation);
     v("icp", self.icp);
+    v("ndt", self.ndt);
     v("mh", self.mh);
   }
 

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "phasescan/core/options.hpp"
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/refine/correspond.hpp"
+#include "phasescan/refine/covariance.hpp"
 #include "phasescan/scan/points.hpp"
 
 namespace phasescan {
@@ -67,23 +69,24 @@ class Icp {
   ///       changed (half the gap between its two nearest points), so late iterations cost O(n).
   IcpResult align(const PointIndex& reference, const ScanPoints& scan, const Pose2& guess, double gate_start_m = 0.0);
 
+  /// The pairs of the last iteration; valid until the next `align`.
+  std::span<const PointPair> pairs() const { return pairs_; }
+
  private:
   /// The neighbour of a scan point, true while the point stays within `safe_m` of where it was searched.
   struct Warm {
     float x, y, safe_squared;
     int index;
   };
-  struct Pair {
-    float squared_distance;
-    int scan, reference;
-  };
 
+  void trim_pairs();
   void find_pairs(const PointIndex& reference, double gate);
 
   IcpOptions options_;
   std::vector<float> x_, y_;  ///< scan points in the reference frame
   std::vector<Warm> warm_;
-  std::vector<Pair> pairs_;
+  std::vector<PointPair> pairs_;
+  std::vector<float> squared_;  ///< distance of each scan point to its neighbour
 };
 
 }  // namespace phasescan
