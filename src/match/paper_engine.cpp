@@ -98,12 +98,12 @@ class PaperEngine final : public MatchEngine {
       return result;
     }
     if (!steps_.image) {
-      refine(reference, hints.guess ? options_.icp.gate_guess_m : options_.icp.gate_start_m, result);
+      refine(reference, hints.guess.has_value(), result);
       return result;
     }
     if (hints.guess) {
       if (steps_.icp) {
-        refine(reference, options_.icp.gate_guess_m, result);
+        refine(reference, true, result);
       } else {
         accept(images_->translate(reference.image, points_, hints.guess->theta, false, result.ms), RotationSource::kGuess, reference.image.grid, result);
       }
@@ -113,7 +113,7 @@ class PaperEngine final : public MatchEngine {
       const std::optional<double> theta = images_->rotation_from_missing(reference.image, scan, result.ms);
       if (theta) {
         accept(images_->translate(reference.image, points_, *theta, false, result.ms), RotationSource::kMissingData, reference.image.grid, result);
-        if (result.usable) refine(reference, options_.icp.gate_guess_m, result);
+        if (result.usable) refine(reference, true, result);
         if (result.usable || !options_.missing.verify) return result;
       }
     }
@@ -125,7 +125,7 @@ class PaperEngine final : public MatchEngine {
       if (estimate.score > best.score) best = estimate;
     }
     accept(best, RotationSource::kSpectrum, reference.image.grid, result);
-    if (result.usable && steps_.icp) refine(reference, options_.icp.gate_guess_m, result);
+    if (result.usable && steps_.icp) refine(reference, true, result);
     return result;
   }
 
@@ -142,9 +142,9 @@ class PaperEngine final : public MatchEngine {
   }
 
   /// Step 5.
-  void refine(const PaperReference& reference, double gate_start_m, MatchResult& result) {
+  void refine(const PaperReference& reference, bool guessed, MatchResult& result) {
     StageClock clock;
-    const IcpResult refined = icp_.align(reference.index, points_, result.T_ref_scan, gate_start_m);
+    const IcpResult refined = icp_.align(reference.index, points_, result.T_ref_scan, guessed);
     result.T_ref_scan = refined.T_ref_scan;
     result.iterations = refined.iterations;
     result.overlap = refined.overlap;

@@ -48,7 +48,7 @@ void Icp::trim_pairs() {
   pairs_.resize(keep);
 }
 
-IcpResult Icp::align(const PointIndex& reference, const ScanPoints& scan, const Pose2& guess, double gate_start_m) {
+IcpResult Icp::align(const PointIndex& reference, const ScanPoints& scan, const Pose2& guess, bool guessed) {
   IcpResult result;
   result.T_ref_scan = guess;
   const std::size_t n = scan.size();
@@ -56,7 +56,8 @@ IcpResult Icp::align(const PointIndex& reference, const ScanPoints& scan, const 
 
   constexpr double kNoGate = 1e18;
   const double gate_end = options_.gate_m > 0.0 ? options_.gate_m : kNoGate;
-  double gate = std::max(gate_end, options_.gate_m > 0.0 ? gate_start_m : kNoGate);
+  double gate = std::max(gate_end, guessed ? options_.gate_guess_m : options_.gate_start_m);
+  const double shrink = guessed ? options_.gate_shrink : options_.gate_start_shrink;
   x_.resize(n);
   y_.resize(n);
   warm_.assign(n, Warm{0.0F, 0.0F, -1.0F, 0});
@@ -103,7 +104,7 @@ IcpResult Icp::align(const PointIndex& reference, const ScanPoints& scan, const 
       result.converged = true;
       break;
     }
-    gate = std::max(gate_end, gate * options_.gate_shrink);
+    gate = std::max(gate_end, gate * shrink);
   }
   result.overlap = static_cast<double>(result.pairs) / static_cast<double>(n);
   return result;

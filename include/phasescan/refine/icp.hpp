@@ -17,9 +17,10 @@ namespace phasescan {
 struct IcpOptions {
   int max_iterations = 200;
   double gate_m = 0.1;
-  double gate_start_m = 1.0;
   double gate_guess_m = 0.3;
   double gate_shrink = 0.8;
+  double gate_start_m = 2.0;
+  double gate_start_shrink = 0.9;
   double trim = 1.0;
   double tolerance_m = 1e-4;
   double tolerance_deg = 0.005;
@@ -29,11 +30,12 @@ struct IcpOptions {
   static void visit(Self& self, Visitor&& v) {
     v("max_iterations", self.max_iterations, OptionInfo{"", "iterations at most", 1, 10000});
     v("gate_m", self.gate_m, OptionInfo{"m", "closest points farther apart are no pair; 0: every pair counts", 0, 1000});
-    v("gate_start_m", self.gate_start_m,
-      OptionInfo{"m", "gate of the first iteration where there is no first estimate", 0, 1000});
     v("gate_guess_m", self.gate_guess_m,
       OptionInfo{"m", "gate of the first iteration from a guess or from the FFT's estimate", 0, 1000});
-    v("gate_shrink", self.gate_shrink, OptionInfo{"", "factor of the gate per iteration, until gate_m", 0.01, 1});
+    v("gate_shrink", self.gate_shrink, OptionInfo{"", "factor of that gate per iteration, until gate_m", 0.01, 1});
+    v("gate_start_m", self.gate_start_m,
+      OptionInfo{"m", "gate of the first iteration where there is no first estimate", 0, 1000});
+    v("gate_start_shrink", self.gate_start_shrink, OptionInfo{"", "factor of that gate per iteration, until gate_m", 0.01, 1});
     v("trim", self.trim, OptionInfo{"", "share of the pairs kept, the nearest first", 0.05, 1});
     v("tolerance_m", self.tolerance_m, OptionInfo{"m", "converged when an iteration moves less", 0, 1});
     v("tolerance_deg", self.tolerance_deg, OptionInfo{"deg", "converged when an iteration turns less", 0, 180});
@@ -63,11 +65,11 @@ class Icp {
 
   /// Aligns `scan` with the indexed reference, starting at `guess`.
   ///
-  /// @param gate_start_m  gate of the first iteration, shrinking to options.gate_m; 0 = gate_m from the start
+  /// @param guessed  whether there is a first estimate, so that the gate may start narrow
   /// @return the pose reached, also where it did not converge; `guess` unchanged without any pair.
   /// @cost O(iterations * n log m) at worst; a neighbour is searched anew only where the point moved so far that it may have
   ///       changed (half the gap between its two nearest points), so late iterations cost O(n).
-  IcpResult align(const PointIndex& reference, const ScanPoints& scan, const Pose2& guess, double gate_start_m = 0.0);
+  IcpResult align(const PointIndex& reference, const ScanPoints& scan, const Pose2& guess, bool guessed);
 
   /// The pairs of the last iteration; valid until the next `align`.
   std::span<const PointPair> pairs() const { return pairs_; }
