@@ -109,14 +109,7 @@ class PaperEngine final : public MatchEngine {
       }
       return result;
     }
-    if (steps_.missing) {
-      const std::optional<double> theta = images_->rotation_from_missing(reference.image, scan, result.ms);
-      if (theta) {
-        accept(images_->translate(reference.image, points_, *theta, false, result.ms), RotationSource::kMissingData, reference.image.grid, result);
-        if (result.usable) refine(reference, true, result);
-        if (result.usable || !options_.missing.verify) return result;
-      }
-    }
+    if (steps_.missing && by_missing_data(reference, scan, result)) return result;
     if (unfinished != nullptr) images_->finish(unfinished->image, result.ms);
     ImageEstimate best;
     for (const RotationCandidate& candidate : images_->rotations_from_spectrum(reference.image, points_, result.ms)) {
@@ -127,6 +120,19 @@ class PaperEngine final : public MatchEngine {
     accept(best, RotationSource::kSpectrum, reference.image.grid, result);
     if (result.usable && steps_.icp) refine(reference, true, result);
     return result;
+  }
+
+  /// Steps 2, 4 and 5 with the rotation that the missing data tell. False where they tell none, or where the match it leads to
+  /// does not convince: step 3 decides then.
+  bool by_missing_data(const PaperReference& reference, const Scan& scan, MatchResult& result) {
+    const std::optional<double> theta = images_->rotation_from_missing(reference.image, scan, result.ms);
+    if (!theta) return false;
+    const ImageEstimate estimate = images_->translate(reference.image, points_, *theta, false, result.ms);
+    if (estimate.score < options_.missing.verify_score) return false;
+    accept(estimate, RotationSource::kMissingData, reference.image.grid, result);
+    if (result.usable) refine(reference, true, result);
+    const double least = options_.missing.verify_overlap;
+    return least == 0.0 || (result.usable && result.overlap >= least);
   }
 
   void accept(const ImageEstimate& estimate, RotationSource source, const ImageGrid& grid, MatchResult& result) const {

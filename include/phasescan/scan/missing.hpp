@@ -13,9 +13,10 @@ struct MissingOptions {
   double min_width_deg = 8.0;
   bool beyond_dmax = true;
   double min_size_deg = 30.0;
-  double max_error = 0.1;
-  double min_margin = 0.1;
-  bool verify = true;
+  double max_error = 0.3;
+  double min_margin = 0.2;
+  double verify_score = 0.3;
+  double verify_overlap = 0.8;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -25,8 +26,10 @@ struct MissingOptions {
     v("max_error", self.max_error, OptionInfo{"", "the rotation is accepted below this error of Eq. 7", 0, 1});
     v("min_margin", self.min_margin,
       OptionInfo{"", "and if every rotation more than 15 degrees away has an error larger by this", 0, 1});
-    v("verify", self.verify,
-      OptionInfo{"", "fft-icp2 falls back on the spectrum where the shortcut leads to a match that is not usable"});
+    v("verify_score", self.verify_score,
+      OptionInfo{"", "a translation peak below this at that rotation: go on with the spectrum; 0: no check", 0, 1});
+    v("verify_overlap", self.verify_overlap,
+      OptionInfo{"", "a match with a smaller overlap at that rotation: start again with the spectrum; 0: no check", 0, 1});
   }
 };
 
