@@ -16,30 +16,39 @@ ImageGrid choose_grid(const ScanPoints& reference, const ImageOptions& options, 
   return grid;
 }
 
+namespace {
+
+constexpr int kPhases = 4;
+
+}  // namespace
+
 Rasterizer::Rasterizer(double blur_px, double connect_m) : connect_m_(static_cast<float>(connect_m)) {
   if (!(blur_px > 0.0)) return;
   reach_ = static_cast<int>(std::ceil(2.0 * blur_px));
-  const int side = 2 * reach_ + 1;
-  double sum = 0.0;
   std::vector<double> weights;
-  for (int r = -reach_; r <= reach_; ++r) {
-    for (int c = -reach_; c <= reach_; ++c) {
-      weights.push_back(std::exp(-0.5 * (r * r + c * c) / (blur_px * blur_px)));
-      sum += weights.back();
+  for (int phase = 0; phase < kPhases * kPhases; ++phase) {
+    // Middle of the sub-pixel, from the middle of the pixel.
+    const double x = (phase % kPhases + 0.5) / kPhases - 0.5, y = (phase / kPhases + 0.5) / kPhases - 0.5;
+    weights.clear();
+    double sum = 0.0;
+    for (int r = -reach_; r <= reach_; ++r) {
+      for (int c = -reach_; c <= reach_; ++c) {
+        weights.push_back(std::exp(-0.5 * ((r - y) * (r - y) + (c - x) * (c - x)) / (blur_px * blur_px)));
+        sum += weights.back();
+      }
     }
+    for (const double weight : weights) kernels_.push_back(static_cast<float>(weight / sum));
   }
-  kernel_.resize(static_cast<std::size_t>(side * side));
-  std::transform(weights.begin(), weights.end(), kernel_.begin(), [&](double w) { return static_cast<float>(w / sum); });
 }
 
-void Rasterizer::spread(int row, int col, Image& image) const {
+void Rasterizer::spread(int row, int col, const float* kernel, Image& image) const {
   const int side = 2 * reach_ + 1, left = col - reach_;
   const int first = std::max(0, -left), last = std::min(side, image.cols() - left);
   for (int r = 0; r < side; ++r) {
     const int y = row - reach_ + r;
     if (y < 0 || y >= image.rows()) continue;
     float* out = image.row(y) + left;
-    const float* weight = kernel_.data() + r * side;
+    const float* weight = kernel + r * side;
     for (int c = first; c < last; ++c) out[c] += weight[c];
   }
 }
@@ -55,7 +64,10 @@ bool Rasterizer::mark(float x, float y, Image& image) {
   if (reach_ == 0) {
     image.at(row, col) = 1.0F;
   } else {
-    spread(row, col, image);
+    const int px = static_cast<int>((x - static_cast<float>(col)) * kPhases);
+    const int py = static_cast<int>((y - static_cast<float>(row)) * kPhases);
+    const int side = 2 * reach_ + 1;
+    spread(row, col, kernels_.data() + (py * kPhases + px) * side * side, image);
   }
   return true;
 }

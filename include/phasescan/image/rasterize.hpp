@@ -16,7 +16,7 @@ struct ImageOptions {
   int fft_size = 256;
   double dmax_m = 6.0;
   double adaptive_factor = 1.1;
-  double blur_px = 1.0;
+  double blur_px = 0.8;
   double connect_m = 0.5;
 
   template <class Self, class Visitor>
@@ -61,11 +61,11 @@ class Rasterizer {
  private:
   /// Marks the pixel at (x, y) [px]; true if it was not marked before.
   bool mark(float x, float y, Image& image);
-  void spread(int row, int col, Image& image) const;
+  void spread(int row, int col, const float* kernel, Image& image) const;
 
   float connect_m_;
-  int reach_ = 0;               ///< half width of the kernel [px]
-  std::vector<float> kernel_;   ///< (2 reach + 1)^2, sum 1
+  int reach_ = 0;                ///< half width of a kernel [px]
+  std::vector<float> kernels_;   ///< one of (2 reach + 1)^2, sum 1, for each of kPhases^2 places within the pixel
   std::vector<std::uint8_t> hit_;
 };
 
