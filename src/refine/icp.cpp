@@ -18,10 +18,10 @@ Pose2 rigid_motion(const Eigen::Matrix2d& cross_covariance, const Eigen::Vector2
   return {t.x(), t.y(), std::atan2(r(1, 0), r(0, 0))};
 }
 
-void Icp::find_pairs(const PointIndex& reference, double gate) {
+void Icp::find_pairs(const PointIndex& reference, double gate, std::size_t step) {
   const auto limit = static_cast<float>(gate);
   pairs_.clear();
-  for (std::size_t i = 0; i < x_.size(); ++i) {
+  for (std::size_t i = 0; i < x_.size(); i += step) {
     Warm& warm = warm_[i];
     const float moved_x = x_[i] - warm.x, moved_y = y_[i] - warm.y;
     if (!(moved_x * moved_x + moved_y * moved_y < warm.safe_squared)) {
@@ -73,7 +73,9 @@ IcpResult Icp::align(const PointIndex& reference, const ScanPoints& scan, const 
       x_[i] = c * scan.x[i] - s * scan.y[i] + tx;
       y_[i] = s * scan.x[i] + c * scan.y[i] + ty;
     }
-    find_pairs(reference, gate);
+    // A few dozen points are enough on the way; small scans keep all.
+    const bool coarse = gate > gate_end && n >= 50 * static_cast<std::size_t>(options_.coarse_step);
+    find_pairs(reference, gate, coarse ? static_cast<std::size_t>(options_.coarse_step) : 1);
     result.iterations = iteration + 1;
     result.pairs = static_cast<int>(pairs_.size());
     if (pairs_.size() < 2) break;

@@ -18,9 +18,10 @@ struct IcpOptions {
   int max_iterations = 200;
   double gate_m = 0.1;
   double gate_guess_m = 0.3;
-  double gate_shrink = 0.8;
+  double gate_shrink = 0.6;
   double gate_start_m = 2.0;
   double gate_start_shrink = 0.9;
+  int coarse_step = 3;
   double trim = 1.0;
   double tolerance_m = 1e-4;
   double tolerance_deg = 0.005;
@@ -36,6 +37,8 @@ struct IcpOptions {
     v("gate_start_m", self.gate_start_m,
       OptionInfo{"m", "gate of the first iteration where there is no first estimate", 0, 1000});
     v("gate_start_shrink", self.gate_start_shrink, OptionInfo{"", "factor of that gate per iteration, until gate_m", 0.01, 1});
+    v("coarse_step", self.coarse_step,
+      OptionInfo{"", "while the gate shrinks only every n-th point is paired; 1: every point always", 1, 100});
     v("trim", self.trim, OptionInfo{"", "share of the pairs kept, the nearest first", 0.05, 1});
     v("tolerance_m", self.tolerance_m, OptionInfo{"m", "converged when an iteration moves less", 0, 1});
     v("tolerance_deg", self.tolerance_deg, OptionInfo{"deg", "converged when an iteration turns less", 0, 180});
@@ -82,7 +85,7 @@ class Icp {
   };
 
   void trim_pairs();
-  void find_pairs(const PointIndex& reference, double gate);
+  void find_pairs(const PointIndex& reference, double gate, std::size_t step);
 
   IcpOptions options_;
   std::vector<float> x_, y_;  ///< scan points in the reference frame
