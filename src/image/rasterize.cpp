@@ -11,7 +11,8 @@ ImageGrid choose_grid(const ScanPoints& reference, const ImageOptions& options, 
     scratch.assign(reference.range.begin(), reference.range.end());
     const auto at = static_cast<std::ptrdiff_t>(static_cast<double>(scratch.size() - 1) * 0.95);
     std::nth_element(scratch.begin(), scratch.begin() + at, scratch.end());
-    grid.dmax_m = std::max(grid.dmax_m, options.adaptive_factor * static_cast<double>(scratch[static_cast<std::size_t>(at)]));
+    grid.dmax_m =
+        std::max(grid.dmax_m, options.adaptive_factor * static_cast<double>(scratch[static_cast<std::size_t>(at)]));
   }
   return grid;
 }
@@ -58,7 +59,8 @@ bool Rasterizer::mark(float x, float y, Image& image) {
   if (!(x >= 0.0F && y >= 0.0F)) return false;
   const int col = static_cast<int>(x), row = static_cast<int>(y);
   if (col >= image.cols() || row >= image.rows()) return false;
-  std::uint8_t& hit = hit_[static_cast<std::size_t>(row) * static_cast<std::size_t>(image.cols()) + static_cast<std::size_t>(col)];
+  std::uint8_t& hit =
+      hit_[static_cast<std::size_t>(row) * static_cast<std::size_t>(image.cols()) + static_cast<std::size_t>(col)];
   if (hit != 0) return false;
   hit = 1;
   if (reach_ == 0) {

@@ -1,5 +1,7 @@
 #include "match/paper_engine.hpp"
 
+#include <algorithm>
+
 #include "match/image_stages.hpp"
 #include "match/stage_clock.hpp"
 #include "phasescan/refine/covariance.hpp"
@@ -25,11 +27,16 @@ struct Steps {
 
 Steps steps_of(MatchMethod method) {
   switch (method) {
-    case MatchMethod::kIcp: return {.icp = true};
-    case MatchMethod::kNdt: return {.ndt = true};
-    case MatchMethod::kFft: return {.image = true};
-    case MatchMethod::kFftIcp1: return {.image = true, .icp = true};
-    default: return {.image = true, .missing = true, .icp = true};
+    case MatchMethod::kIcp:
+      return {.icp = true};
+    case MatchMethod::kNdt:
+      return {.ndt = true};
+    case MatchMethod::kFft:
+      return {.image = true};
+    case MatchMethod::kFftIcp1:
+      return {.image = true, .icp = true};
+    default:
+      return {.image = true, .missing = true, .icp = true};
   }
 }
 
@@ -82,8 +89,8 @@ class PaperEngine final : public MatchEngine {
   }
 
   /// @param unfinished  the reference again where it is this engine's own and may be completed on demand, else null
-  MatchResult run(const PaperReference& reference, PaperReference* unfinished, const Scan& scan, const MatchHints& hints,
-                  const MatchTimes& ms) {
+  MatchResult run(const PaperReference& reference, PaperReference* unfinished, const Scan& scan,
+                  const MatchHints& hints, const MatchTimes& ms) {
     MatchResult result;
     result.ms = ms;
     result.T_ref_scan = hints.guess.value_or(Pose2{});
@@ -105,7 +112,8 @@ class PaperEngine final : public MatchEngine {
       if (steps_.icp) {
         refine(reference, true, result);
       } else {
-        accept(images_->translate(reference.image, points_, hints.guess->theta, false, result.ms), RotationSource::kGuess, reference.image.grid, result);
+        accept(images_->translate(reference.image, points_, hints.guess->theta, false, result.ms),
+               RotationSource::kGuess, reference.image.grid, result);
       }
       return result;
     }
@@ -122,8 +130,8 @@ class PaperEngine final : public MatchEngine {
     return result;
   }
 
-  /// Steps 2, 4 and 5 with the rotation that the missing data tell. False where they tell none, or where the match it leads to
-  /// does not convince: step 3 decides then.
+  /// Steps 2, 4 and 5 with the rotation that the missing data tell. False where they tell none, or where the match it
+  /// leads to does not convince: step 3 decides then.
   bool by_missing_data(const PaperReference& reference, const Scan& scan, MatchResult& result) {
     const std::optional<double> theta = images_->rotation_from_missing(reference.image, scan, result.ms);
     if (!theta) return false;
@@ -143,8 +151,9 @@ class PaperEngine final : public MatchEngine {
                                                                                              : MatchStatus::kNoPeak;
     result.usable = result.status == MatchStatus::kConverged;
     // Good to about a pixel and a degree.
-    const double pixel = 1.0 / grid.pixels_per_m(), turn = deg_to_rad(1.0);
-    result.covariance = Eigen::Vector3d(pixel * pixel, pixel * pixel, turn * turn).asDiagonal();
+    const double pixel = 1.0 / grid.pixels_per_m(), turn = deg_to_rad(1.0),
+                 variance = std::min(pixel * pixel, kUnknownVariance);
+    result.covariance = Eigen::Vector3d(variance, variance, turn * turn).asDiagonal();
   }
 
   /// Step 5.
@@ -166,8 +175,8 @@ class PaperEngine final : public MatchEngine {
     result.iterations = refined.iterations;
     result.overlap = refined.overlap;
     settle(refined.converged, options_.ndt.min_overlap, result);
-    // Near the optimum the score is -sum exp(-e^2 / 2): its Hessian is an information matrix, with every point counted in up to
-    // four grids.
+    // Near the optimum the score is -sum exp(-e^2 / 2): its Hessian is an information matrix, with every point counted
+    // in up to four grids.
     result.covariance = covariance_from_information(0.25 * refined.score.hessian);
     clock.add_to(result.ms.refine);
   }

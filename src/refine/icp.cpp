@@ -7,7 +7,8 @@
 
 namespace phasescan {
 
-Pose2 rigid_motion(const Eigen::Matrix2d& cross_covariance, const Eigen::Vector2d& mean_s, const Eigen::Vector2d& mean_m) {
+Pose2 rigid_motion(const Eigen::Matrix2d& cross_covariance, const Eigen::Vector2d& mean_s,
+                   const Eigen::Vector2d& mean_m) {
   const Eigen::JacobiSVD<Eigen::Matrix2d> svd(cross_covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix2d& u = svd.matrixU();
   const Eigen::Matrix2d& v = svd.matrixV();
@@ -38,11 +39,13 @@ void Icp::find_pairs(const PointIndex& reference, double gate, std::size_t step)
 }
 
 void Icp::trim_pairs() {
-  const auto keep = std::max<std::size_t>(2, static_cast<std::size_t>(options_.trim * static_cast<double>(pairs_.size())));
+  const auto keep =
+      std::max<std::size_t>(2, static_cast<std::size_t>(options_.trim * static_cast<double>(pairs_.size())));
   // Ties are broken by the beam, so that the kept set does not depend on the order of the selection.
   std::nth_element(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(keep) - 1, pairs_.end(),
                    [&](const PointPair& a, const PointPair& b) {
-                     const float da = squared_[static_cast<std::size_t>(a.scan)], db = squared_[static_cast<std::size_t>(b.scan)];
+                     const float da = squared_[static_cast<std::size_t>(a.scan)],
+                                 db = squared_[static_cast<std::size_t>(b.scan)];
                      return da != db ? da < db : a.scan < b.scan;
                    });
   pairs_.resize(keep);
@@ -100,8 +103,9 @@ IcpResult Icp::align(const PointIndex& reference, const ScanPoints& scan, const 
     // R = R_icp R1, T = R_icp T1 + T_icp ([Jiang19] Sec. 4).
     const Pose2 step = rigid_motion(cross, mean_s, mean_m);
     result.T_ref_scan = step * pose;
-    const bool at_rest = std::hypot(result.T_ref_scan.x - pose.x, result.T_ref_scan.y - pose.y) <= options_.tolerance_m &&
-                         std::abs(step.theta) <= turn_tolerance;
+    const bool at_rest =
+        std::hypot(result.T_ref_scan.x - pose.x, result.T_ref_scan.y - pose.y) <= options_.tolerance_m &&
+        std::abs(step.theta) <= turn_tolerance;
     if (gate <= gate_end && at_rest) {
       result.converged = true;
       break;

@@ -93,7 +93,8 @@ NdtScore NdtMap::evaluate(const ScanPoints& scan, const Pose2& T_ref_scan) const
     for (const Grid& grid : grids_) {
       const double u = (x - grid.left) * per_cell_, v = (y - grid.low) * per_cell_;
       if (!(u >= 0.0 && v >= 0.0 && u < grid.cols && v < grid.rows)) continue;
-      const std::int32_t at = grid.cell[static_cast<std::size_t>(static_cast<int>(v) * grid.cols + static_cast<int>(u))];
+      const std::int32_t at =
+          grid.cell[static_cast<std::size_t>(static_cast<int>(v) * grid.cols + static_cast<int>(u))];
       if (at < 0) continue;
       const Cell& cell = cells_[static_cast<std::size_t>(at)];
       const double qx = x - cell.mean_x, qy = y - cell.mean_y;
@@ -167,7 +168,8 @@ NdtResult align_ndt(const NdtLevels& reference, const ScanPoints& scan, const Po
       NdtScore better;
       bool improved = false;
       for (int halving = 0; halving < 6 && !improved; ++halving) {
-        next = {result.T_ref_scan.x + step.x(), result.T_ref_scan.y + step.y(), wrap_angle(result.T_ref_scan.theta + step.z())};
+        next = {result.T_ref_scan.x + step.x(), result.T_ref_scan.y + step.y(),
+                wrap_angle(result.T_ref_scan.theta + step.z())};
         better = reference[level].evaluate(scan, next);
         improved = better.value < score.value;
         if (!improved) step *= 0.5;
@@ -176,7 +178,8 @@ NdtResult align_ndt(const NdtLevels& reference, const ScanPoints& scan, const Po
         result.T_ref_scan = next;
         score = better;
       }
-      if (!improved || (std::hypot(step.x(), step.y()) <= options.tolerance_m && std::abs(step.z()) <= turn_tolerance)) {
+      if (!improved ||
+          (std::hypot(step.x(), step.y()) <= options.tolerance_m && std::abs(step.z()) <= turn_tolerance)) {
         result.converged = score.inside > 0;
         break;
       }

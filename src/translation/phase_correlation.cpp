@@ -40,8 +40,8 @@ void multiply(const ComplexBuffer& a, const ComplexBuffer& b, bool twin, Complex
   }
 }
 
-/// x^(-1/4) to 1e-6, for positive x, without a division or a root: a first guess from the exponent bits, then Newton steps.
-/// Vectorises, which a pair of square roots and a division do only badly.
+/// x^(-1/4) to 1e-6, for positive x, without a division or a root: a first guess from the exponent bits, then Newton
+/// steps. Vectorises, which a pair of square roots and a division do only badly.
 inline float inverse_fourth_root(float x) {
   float y = std::bit_cast<float>(0x4F58CAE5U - (std::bit_cast<std::uint32_t>(x) >> 2));
   for (int step = 0; step < 3; ++step) {
@@ -62,7 +62,8 @@ void divide_by_magnitude(ComplexBuffer& values, double whitening) {
   for (std::size_t from = 0; from < values.size(); from += kBlock) {
     const std::size_t n = std::min(kBlock, values.size() - from);
     float* block = v + 2 * from;
-    for (std::size_t i = 0; i < n; ++i) scale[i] = block[2 * i] * block[2 * i] + block[2 * i + 1] * block[2 * i + 1] + kTiny;
+    for (std::size_t i = 0; i < n; ++i)
+      scale[i] = block[2 * i] * block[2 * i] + block[2 * i + 1] * block[2 * i + 1] + kTiny;
     if (whitening == 0.5) {
       for (std::size_t i = 0; i < n; ++i) scale[i] = inverse_fourth_root(scale[i]);
     } else if (whitening == 1.0) {
@@ -90,7 +91,9 @@ std::size_t highest(const float* data, std::size_t n) {
   return static_cast<std::size_t>(std::find(data, data + n, best) - data);
 }
 
-int wrapped(int i, int n) { return (i % n + n) % n; }
+int wrapped(int i, int n) {
+  return (i % n + n) % n;
+}
 
 /// A shift in [-n/2, n/2).
 double unwrapped(double shift, int n) {
@@ -149,7 +152,8 @@ void TranslationEstimator::describe(const Image& image, TranslationSpectrum& out
   whiten(out);
 }
 
-TranslationPeak TranslationEstimator::peak(const TranslationSpectrum& reference, const TranslationSpectrum& scan, bool twin) {
+TranslationPeak TranslationEstimator::peak(const TranslationSpectrum& reference, const TranslationSpectrum& scan,
+                                           bool twin) {
   multiply(reference.values, scan.values, twin, product_);
   fft_.inverse(product_, correlation_);
   const int n = size_;
@@ -159,13 +163,17 @@ TranslationPeak TranslationEstimator::peak(const TranslationSpectrum& reference,
     return energy > 0.0 ? static_cast<double>(value) / energy : 0.0;
   };
   const auto offset = [&](float left, float centre, float right) {
-    return options_.subpixel ? parabola_peak(static_cast<double>(left), static_cast<double>(centre), static_cast<double>(right)) : 0.0;
+    return options_.subpixel
+               ? parabola_peak(static_cast<double>(left), static_cast<double>(centre), static_cast<double>(right))
+               : 0.0;
   };
   TranslationPeak found;
   if (two_dimensional()) {
     const auto best = static_cast<int>(highest(correlation_.data(), correlation_.size()));
     const int row = best / n, col = best % n;
-    const auto at = [&](int r, int c) { return correlation_[static_cast<std::size_t>(wrapped(r, n) * n + wrapped(c, n))]; };
+    const auto at = [&](int r, int c) {
+      return correlation_[static_cast<std::size_t>(wrapped(r, n) * n + wrapped(c, n))];
+    };
     found.col = unwrapped(col + back + offset(at(row, col - 1), at(row, col), at(row, col + 1)), n);
     found.row = unwrapped(row + back + offset(at(row - 1, col), at(row, col), at(row + 1, col)), n);
     found.score = quality(at(row, col), 0);

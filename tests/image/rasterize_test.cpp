@@ -22,7 +22,9 @@ ScanPoints points_at(std::initializer_list<std::pair<float, float>> list) {
   return points;
 }
 
-double sum(const Image& image) { return std::accumulate(image.pixels().begin(), image.pixels().end(), 0.0); }
+double sum(const Image& image) {
+  return std::accumulate(image.pixels().begin(), image.pixels().end(), 0.0);
+}
 
 TEST(Rasterize, ColumnsAreXRowsAreYAndTheSensorIsTheCentre) {
   Rasterizer rasterizer;

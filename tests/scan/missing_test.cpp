@@ -8,7 +8,8 @@ namespace phasescan {
 namespace {
 
 /// A scan of one beam per degree from -180 deg in which the given sectors [deg] are missing.
-Scan scan_with_gaps(std::initializer_list<std::pair<int, int>> sectors, bool clockwise = false, int beams = 360, double fov_deg = 360) {
+Scan scan_with_gaps(std::initializer_list<std::pair<int, int>> sectors, bool clockwise = false, int beams = 360,
+                    double fov_deg = 360) {
   std::vector<float> ranges(static_cast<std::size_t>(beams), 2.0F);
   const double step = fov_deg / beams, from = -fov_deg / 2;
   for (int i = 0; i < beams; ++i) {
@@ -53,8 +54,9 @@ TEST(Missing, AClockwiseSensorSeesTheSameRuns) {
   ASSERT_EQ(b.runs.size(), 2U);
   EXPECT_NEAR(a.size, b.size, deg_to_rad(1.1));
   for (const MissingRun& run : a.runs) {
-    EXPECT_TRUE(std::any_of(b.runs.begin(), b.runs.end(),
-                            [&](const MissingRun& other) { return angle_distance(run.centre(), other.centre()) < deg_to_rad(1.1); }));
+    EXPECT_TRUE(std::any_of(b.runs.begin(), b.runs.end(), [&](const MissingRun& other) {
+      return angle_distance(run.centre(), other.centre()) < deg_to_rad(1.1);
+    }));
   }
 }
 

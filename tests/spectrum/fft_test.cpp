@@ -23,7 +23,8 @@ std::complex<double> slow_dft(const FloatBuffer& image, int rows, int cols, int 
   std::complex<double> sum = 0.0;
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < cols; ++c) {
-      const double phase = -2.0 * std::numbers::pi * (static_cast<double>(u * c) / cols + static_cast<double>(v * r) / rows);
+      const double phase =
+          -2.0 * std::numbers::pi * (static_cast<double>(u * c) / cols + static_cast<double>(v * r) / rows);
       sum += static_cast<double>(image[static_cast<std::size_t>(r * cols + c)]) * std::polar(1.0, phase);
     }
   }

@@ -61,7 +61,8 @@ TEST(Polar, RotationTheoremTheRingsTurnWithTheImage) {
   FloatBuffer a, b;
   sampler.sample(magnitude_of(room_image(0.0)), a);
   sampler.sample(magnitude_of(room_image(turn)), b);
-  // b(phi + turn) = a(phi): correlate the inner half of the rings, where pixels matter little, at the true and at other turns.
+  // b(phi + turn) = a(phi): correlate the inner half of the rings, where pixels matter little, at the true and at other
+  // turns.
   const int bins = sampler.angle_bins(), rings = sampler.radii() / 2;
   const auto agreement = [&](int shift) {
     double sum = 0.0, aa = 0.0, bb = 0.0;
@@ -83,14 +84,16 @@ TEST(Polar, RotationTheoremTheRingsTurnWithTheImage) {
 TEST(Polar, ReadsAPlaneExactly) {
   Image plane(kSize, kSize / 2 + 1);
   for (int r = 0; r < plane.rows(); ++r) {
-    for (int c = 0; c < plane.cols(); ++c) plane.at(r, c) = 2.0F * static_cast<float>(r - kSize / 2) + 3.0F * static_cast<float>(c);
+    for (int c = 0; c < plane.cols(); ++c)
+      plane.at(r, c) = 2.0F * static_cast<float>(r - kSize / 2) + 3.0F * static_cast<float>(c);
   }
   const PolarSampler sampler(kSize, SpectrumOptions{});
   FloatBuffer out;
   sampler.sample(plane, out);
   for (int ring = 0; ring < sampler.radii(); ++ring) {
     for (int bin = 0; bin < sampler.angle_bins(); ++bin) {
-      const double expected = sampler.radius(ring) * (2.0 * std::sin(sampler.angle(bin)) + 3.0 * std::cos(sampler.angle(bin)));
+      const double expected =
+          sampler.radius(ring) * (2.0 * std::sin(sampler.angle(bin)) + 3.0 * std::cos(sampler.angle(bin)));
       ASSERT_NEAR(out[static_cast<std::size_t>(ring * sampler.angle_bins() + bin)], expected, 1e-3);
     }
   }

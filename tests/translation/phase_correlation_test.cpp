@@ -28,7 +28,8 @@ std::vector<TranslationOptions> all_modes() {
 Image blobs(std::uint64_t seed) {
   Random random(seed);
   Image image(kSize, kSize);
-  for (int i = 0; i < 60; ++i) image.at(static_cast<int>(random.below(kSize)), static_cast<int>(random.below(kSize))) = 1.0F;
+  for (int i = 0; i < 60; ++i)
+    image.at(static_cast<int>(random.below(kSize)), static_cast<int>(random.below(kSize))) = 1.0F;
   return image;
 }
 

@@ -23,13 +23,17 @@ struct ImageOptions {
   static void visit(Self& self, Visitor&& v) {
     v("size", self.size, OptionInfo{"px", "side of the scan image of fft-icp1 and fft-icp2; even", 16, 2048});
     v("fft_size", self.fft_size, OptionInfo{"px", "side of the scan image of fft; even", 16, 2048});
-    v("dmax_m", self.dmax_m, OptionInfo{"m", "range shown by the image; the least one where the scale adapts", 0.05, 1000});
+    v("dmax_m", self.dmax_m,
+      OptionInfo{"m", "range shown by the image; the least one where the scale adapts", 0.05, 1000});
     v("adaptive_factor", self.adaptive_factor,
-      OptionInfo{"", "the image shows this times the reference's 95th percentile range, at least dmax_m; 0: always dmax_m",
+      OptionInfo{"",
+                 "the image shows this times the reference's 95th percentile range, at least dmax_m; 0: always dmax_m",
                  0, 10});
     v("blur_px", self.blur_px, OptionInfo{"px", "Gaussian blur of the binary image; 0: none", 0, 8});
     v("connect_m", self.connect_m,
-      OptionInfo{"m", "neighbouring hits up to this far apart are joined by a line, so that far walls weigh like near ones", 0, 100});
+      OptionInfo{"m",
+                 "neighbouring hits up to this far apart are joined by a line, so that far walls weigh like near ones",
+                 0, 100});
   }
 };
 
@@ -53,8 +57,8 @@ class Rasterizer {
 
   /// Draws the points turned by `theta` about the sensor: points are turned and drawn again, never the image.
   ///
-  /// A point with 0 < d < dmax is in the pixel (row, column) = floor(mu (y, x) + size / 2) ([Jiang19] Sec. 2.2); each pixel
-  /// hit counts once, however many points fall into it. With a blur each such pixel becomes a Gaussian of sum 1.
+  /// A point with 0 < d < dmax is in the pixel (row, column) = floor(mu (y, x) + size / 2) ([Jiang19] Sec. 2.2); each
+  /// pixel hit counts once, however many points fall into it. With a blur each such pixel becomes a Gaussian of sum 1.
   /// @return number of pixels hit
   int draw(const ScanPoints& points, double theta, const ImageGrid& grid, Image& image);
 
@@ -64,8 +68,8 @@ class Rasterizer {
   void spread(int row, int col, const float* kernel, Image& image) const;
 
   float connect_m_;
-  int reach_ = 0;                ///< half width of a kernel [px]
-  std::vector<float> kernels_;   ///< one of (2 reach + 1)^2, sum 1, for each of kPhases^2 places within the pixel
+  int reach_ = 0;               ///< half width of a kernel [px]
+  std::vector<float> kernels_;  ///< one of (2 reach + 1)^2, sum 1, for each of kPhases^2 places within the pixel
   std::vector<std::uint8_t> hit_;
 };
 

@@ -23,10 +23,11 @@ Eigen::Matrix3d covariance_from_information(const Eigen::Matrix3d& information);
 
 /// Covariance of (x, y, theta) in the reference frame of a pose found from point pairs.
 ///
-/// Each pair counts across the reference's surface only (point-to-line information): along a surface a point says nothing,
-/// so the covariance is wide along a corridor whatever the point-to-point residuals are. Surface directions come from a line
-/// through the reference's neighbouring beams. The noise is the spread of the pairs across the surface, at least 1 cm; as
-/// neighbouring beams share errors (discretisation, partners between beams), the inverse information is inflated by 4.
+/// Each pair counts across the reference's surface only (point-to-line information): along a surface a point says
+/// nothing, so the covariance is wide along a corridor whatever the point-to-point residuals are. Surface directions
+/// come from a line through the reference's neighbouring beams. The noise is the spread of the pairs across the
+/// surface, at least 1 cm; as neighbouring beams share errors (discretisation, partners between beams), the inverse
+/// information is inflated by 4.
 /// @cost O(pairs), allocates nothing
 Eigen::Matrix3d surface_covariance(const ScanPoints& reference, const ScanPoints& scan, const Pose2& T_ref_scan,
                                    std::span<const PointPair> pairs);

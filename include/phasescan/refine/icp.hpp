@@ -30,13 +30,15 @@ struct IcpOptions {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("max_iterations", self.max_iterations, OptionInfo{"", "iterations at most", 1, 10000});
-    v("gate_m", self.gate_m, OptionInfo{"m", "closest points farther apart are no pair; 0: every pair counts", 0, 1000});
+    v("gate_m", self.gate_m,
+      OptionInfo{"m", "closest points farther apart are no pair; 0: every pair counts", 0, 1000});
     v("gate_guess_m", self.gate_guess_m,
       OptionInfo{"m", "gate of the first iteration from a guess or from the FFT's estimate", 0, 1000});
     v("gate_shrink", self.gate_shrink, OptionInfo{"", "factor of that gate per iteration, until gate_m", 0.01, 1});
     v("gate_start_m", self.gate_start_m,
       OptionInfo{"m", "gate of the first iteration where there is no first estimate", 0, 1000});
-    v("gate_start_shrink", self.gate_start_shrink, OptionInfo{"", "factor of that gate per iteration, until gate_m", 0.01, 1});
+    v("gate_start_shrink", self.gate_start_shrink,
+      OptionInfo{"", "factor of that gate per iteration, until gate_m", 0.01, 1});
     v("coarse_step", self.coarse_step,
       OptionInfo{"", "while the gate shrinks only every n-th point is paired; 1: every point always", 1, 100});
     v("trim", self.trim, OptionInfo{"", "share of the pairs kept, the nearest first", 0.05, 1});
@@ -51,15 +53,16 @@ struct IcpResult {
   Pose2 T_ref_scan;
   bool converged = false;  ///< an iteration moved less than the tolerances, at the final gate
   int iterations = 0;
-  int pairs = 0;           ///< pairs of the last iteration
-  double overlap = 0.0;    ///< pairs / points of the scan
-  double rms_m = 0.0;      ///< root mean square distance of the pairs
+  int pairs = 0;         ///< pairs of the last iteration
+  double overlap = 0.0;  ///< pairs / points of the scan
+  double rms_m = 0.0;    ///< root mean square distance of the pairs
 };
 
 /// The rigid motion that takes points s_i onto m_i in the least-squares sense, from their centred cross-covariance:
-/// H = sum (s - mean s)(m - mean m)^T = U S V^T, R = V diag(1, det(V U^T)) U^T, T = mean m - R mean s. The diagonal guards
-/// against a reflection, which collinear points (a corridor) otherwise give. [Jiang19] Sec. 4, [Arun87].
-Pose2 rigid_motion(const Eigen::Matrix2d& cross_covariance, const Eigen::Vector2d& mean_s, const Eigen::Vector2d& mean_m);
+/// H = sum (s - mean s)(m - mean m)^T = U S V^T, R = V diag(1, det(V U^T)) U^T, T = mean m - R mean s. The diagonal
+/// guards against a reflection, which collinear points (a corridor) otherwise give. [Jiang19] Sec. 4, [Arun87].
+Pose2 rigid_motion(const Eigen::Matrix2d& cross_covariance, const Eigen::Vector2d& mean_s,
+                   const Eigen::Vector2d& mean_m);
 
 /// ICP with buffers that are kept between calls. One object per thread.
 class Icp {
@@ -70,7 +73,8 @@ class Icp {
   ///
   /// @param guessed  whether there is a first estimate, so that the gate may start narrow
   /// @return the pose reached, also where it did not converge; `guess` unchanged without any pair.
-  /// @cost O(iterations * n log m) at worst; a neighbour is searched anew only where the point moved so far that it may have
+  /// @cost O(iterations * n log m) at worst; a neighbour is searched anew only where the point moved so far that it may
+  /// have
   ///       changed (half the gap between its two nearest points), so late iterations cost O(n).
   IcpResult align(const PointIndex& reference, const ScanPoints& scan, const Pose2& guess, bool guessed);
 

@@ -38,10 +38,10 @@ struct NdtOptions {
 
 /// Value and derivatives of the NDT score at a pose.
 struct NdtScore {
-  double value = 0.0;                                     ///< -sum exp(-q^T B q / 2): lower is better
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();     ///< by (x, y, theta)
+  double value = 0.0;                                  ///< -sum exp(-q^T B q / 2): lower is better
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  ///< by (x, y, theta)
   Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
-  int inside = 0;                                         ///< points within three sigma of the Gaussian of a cell
+  int inside = 0;  ///< points within three sigma of the Gaussian of a cell
 };
 
 /// The Gaussians of one scan: four grids, shifted by half a cell against each other ([Biber03] Sec. III).
@@ -74,16 +74,16 @@ struct NdtResult {
   Pose2 T_ref_scan;
   bool converged = false;
   int iterations = 0;
-  double overlap = 0.0;   ///< share of the scan's points within three sigma of a Gaussian of the last level
-  NdtScore score;         ///< at T_ref_scan, last level
+  double overlap = 0.0;  ///< share of the scan's points within three sigma of a Gaussian of the last level
+  NdtScore score;        ///< at T_ref_scan, last level
 };
 
 /// A reference prepared for NDT: one map per level.
 using NdtLevels = std::vector<NdtMap>;
 void build_ndt(const ScanPoints& points, const NdtOptions& options, NdtLevels& out);
 
-/// Minimises the score, level by level from the coarsest. Where the Hessian is not positive definite it is made so by adding to
-/// its diagonal; a step that makes the score worse is halved. @pre reference was built with the same options.
+/// Minimises the score, level by level from the coarsest. Where the Hessian is not positive definite it is made so by
+/// adding to its diagonal; a step that makes the score worse is halved. @pre reference was built with the same options.
 /// @cost O(iterations * n)
 NdtResult align_ndt(const NdtLevels& reference, const ScanPoints& scan, const Pose2& guess, const NdtOptions& options);
 

@@ -21,7 +21,8 @@ struct MissingOptions {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("min_width_deg", self.min_width_deg, OptionInfo{"deg", "narrower runs of missing beams are dropped", 0, 360});
-    v("beyond_dmax", self.beyond_dmax, OptionInfo{"", "a return beyond the image's dmax is missing too, as in the paper"});
+    v("beyond_dmax", self.beyond_dmax,
+      OptionInfo{"", "a return beyond the image's dmax is missing too, as in the paper"});
     v("min_size_deg", self.min_size_deg, OptionInfo{"deg", "Th1: both scans' runs must add up to this", 0, 360});
     v("max_error", self.max_error, OptionInfo{"", "the rotation is accepted below this error of Eq. 7", 0, 1});
     v("min_margin", self.min_margin,
@@ -29,7 +30,8 @@ struct MissingOptions {
     v("verify_score", self.verify_score,
       OptionInfo{"", "a translation peak below this at that rotation: go on with the spectrum; 0: no check", 0, 1});
     v("verify_overlap", self.verify_overlap,
-      OptionInfo{"", "a match with a smaller overlap at that rotation: start again with the spectrum; 0: no check", 0, 1});
+      OptionInfo{"", "a match with a smaller overlap at that rotation: start again with the spectrum; 0: no check", 0,
+                 1});
   }
 };
 
@@ -50,8 +52,8 @@ struct MissingFeatures {
 /// Finds runs in scans of any beam layout. One object per thread; allocates nothing once its buffers have their size.
 class MissingFinder {
  public:
-  /// Every beam stands for the angles halfway to its neighbours. Runs continue across the +-180 degree seam of a full turn; the
-  /// space outside a smaller field of view belongs to no run. Beams beyond the first full turn are ignored.
+  /// Every beam stands for the angles halfway to its neighbours. Runs continue across the +-180 degree seam of a full
+  /// turn; the space outside a smaller field of view belongs to no run. Beams beyond the first full turn are ignored.
   ///
   /// @param dmax_m  a return farther than this is missing; 0 = never
   /// @cost O(n), O(n log n) for beams with angles of their own
