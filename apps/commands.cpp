@@ -134,6 +134,15 @@ void Progress::step(std::size_t done) {
   std::fflush(stderr);
 }
 
+int fail(std::string reason, int code) {
+  for (char& c : reason) {  // one line, whatever the reason holds
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  std::fflush(stdout);
+  std::fprintf(stderr, "phasescan: %s\n", reason.c_str());
+  return code;
+}
+
 void warn(const std::string& text) {
   spdlog::warn("{}", text);
 }

@@ -82,6 +82,9 @@ class Progress {
   int last_percent_ = -1;
 };
 
+/// The one line on stderr of a command that failed, "phasescan: REASON"; gives `code`.
+int fail(std::string reason, int code);
+
 /// One warning line on stderr: "phasescan: warning: ...".
 void warn(const std::string& text);
 

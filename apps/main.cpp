@@ -8,19 +8,10 @@
 
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
+#include "phasescan/io/file.hpp"
 
 namespace phasescan::app {
 namespace {
-
-// One line on stderr, whatever the reason holds.
-int fail(std::string reason, int code) {
-  for (char& c : reason) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  std::fflush(stdout);
-  std::fprintf(stderr, "phasescan: %s\n", reason.c_str());
-  return code;
-}
 
 int run(int argc, char** argv) {
   CLI::App app{"phasescan: the motion between two lidar scans, with no first guess, and maps from it", "phasescan"};
@@ -33,6 +24,12 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     const auto used = app.get_subcommands();
+    if (used.empty() && argc > 1 && argv[1][0] != '-') {
+      std::string names;
+      for (const CLI::App* command : app.get_subcommands([](CLI::App*) { return true; }))
+        names += (names.empty() ? "" : ", ") + command->get_name();
+      return fail("unknown command " + quote_text(argv[1]) + "; expected one of " + names, kBadInput);
+    }
     const std::string help = used.empty() ? "phasescan --help" : "phasescan " + used.front()->get_name() + " --help";
     return fail(std::string(error.what()) + "; expected what `" + help + "` says", kBadInput);
   }

@@ -1,0 +1,58 @@
+// phasescan info LOG: what a log holds and what is wrong with it.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.hpp"
+#include "phasescan/io/error.hpp"
+#include "phasescan/io/log_summary.hpp"
+
+namespace phasescan::app {
+namespace {
+
+struct InfoFlags {
+  std::string log;
+  std::string topic;
+};
+
+void print_line(const std::string& name, const std::string& value) {
+  print(fmt::format("{:<24} {}\n", name, value));
+}
+
+int run_info(const InfoFlags& flags) {
+  LogOptions options;
+  options.topic = flags.topic;
+  const auto reader = open_log(flags.log, options);
+  LogSummary summary;
+  InterruptGuard guard;
+  Progress progress("read", 0);
+  while (auto entry = reader->next()) {
+    summary.add(*entry);
+    progress.step(summary.scans());
+    if (InterruptGuard::interrupted()) return kAnswerIsNo;
+  }
+  print_line("file", flags.log);
+  print_line("format", reader->format());
+  for (const auto& [name, value] : reader->facts()) print_line(name, value);
+  for (const auto& [name, value] : summary.lines()) print_line(name, value);
+  std::map<std::string, std::size_t> damages;
+  for (const LogDamage& damage : reader->damages()) ++damages[damage.kind];
+  print_line("damaged places", std::to_string(reader->damage_count()));
+  for (const auto& [kind, count] : damages) print_line("damage, " + kind, std::to_string(count));
+  const int code = report_damages(*reader, kDone);
+  if (summary.usable_scans() > 0) return code;
+  return fail(InputError(flags.log, 0, "holds no usable scan; expected at least one with a hit").what(), kAnswerIsNo);
+}
+
+void add_info_command(CLI::App& app, CommandBody& body) {
+  auto* command = app.add_subcommand("info", "what a log holds and what is wrong with it");
+  auto flags = std::make_shared<InfoFlags>();
+  command->add_option("LOG", flags->log, "a log of any readable format")->required();
+  command->add_option("--topic", flags->topic, "ROS logs: only this scan topic");
+  command->callback([flags, &body] { body = [flags] { return run_info(*flags); }; });
+}
+
+const CommandRegistration kInfo{60, add_info_command};
+
+}  // namespace
+}  // namespace phasescan::app
