@@ -72,6 +72,7 @@ void check_pair_row(const PairRow& row) {
   const auto fail = [&](const std::string& what) { throw std::invalid_argument("row " + row.dataset + ": " + what); };
   if (row.worlds.empty()) fail("worlds: none given");
   if (row.classes.empty()) fail("classes: none given");
+  if (row.fixed && std::count(row.classes.begin(), row.classes.end(), PairClass::kNone) > 0) fail("classes: none needs more than one world");
   if (row.weight < 1) fail("weight: must be 1 or more");
   if (!(row.fov_deg >= 0.0 && row.fov_deg <= 360.0)) fail("fov_deg: must be 0..360");
   if (!(row.clearance_m > 0.0)) fail("clearance_m: must be above 0");
@@ -119,7 +120,7 @@ SimulatedPair PairGenerator::make(std::uint64_t k) const {
   for (int attempt = 0; attempt < kWorlds; ++attempt) {
     SimulatedPair out;
     out.lidar = lidar;
-    out.world = make_world(row.worlds[random.below(row.worlds.size())], random.bits());
+    out.world = row.fixed ? *row.fixed : make_world(row.worlds[random.below(row.worlds.size())], random.bits());
     const RayCaster caster(out.world.shape);
     std::optional<RayCaster> other;
     Placement place;
@@ -167,7 +168,7 @@ SimulatedPair PairGenerator::make(std::uint64_t k) const {
     out.pair.cls = std::string(to_string(cls));
     return out;
   }
-  throw std::runtime_error("row " + row.dataset + ": no pair could be placed in " + std::to_string(kWorlds) + " worlds");
+  throw std::invalid_argument("row " + row.dataset + ": no pair could be placed in " + std::to_string(kWorlds) + " worlds");
 }
 
 }  // namespace phasescan::sim

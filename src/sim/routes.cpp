@@ -49,7 +49,7 @@ TourPlanner::TourPlanner(const World& world, double clearance_m, Random& random)
     }
     if (best == world.rooms.size()) break;
   }
-  if (best == 0) throw std::runtime_error("world " + world.name + ": no free place to drive in");
+  if (best == 0) throw std::invalid_argument("world " + world.name + ": no free place to drive in");
 }
 
 std::vector<Vector2d> TourPlanner::next_round(Random& random) const {
@@ -80,13 +80,13 @@ std::vector<Vector2d> TourPlanner::next_round(Random& random) const {
     goals.erase(nearest);
   }
   drive_to(here, start_);
-  if (round.size() < 2) throw std::runtime_error("world " + world_.name + ": nowhere to drive to");
+  if (round.size() < 2) throw std::invalid_argument("world " + world_.name + ": nowhere to drive to");
   return round;
 }
 
 Vector2d find_point(const World& world, double clearance_m, Random& random) {
   const auto pose = draw_pose(world, RayCaster(world.shape), clearance_m, random);
-  if (!pose) throw std::runtime_error("world " + world.name + ": no free place to stand in");
+  if (!pose) throw std::invalid_argument("world " + world.name + ": no free place to stand in");
   return pose->translation();
 }
 
@@ -103,7 +103,7 @@ Pose2 find_circle(const World& world, double radius_m, double clearance_m, Rando
     }
     if (free) return *pose;
   }
-  throw std::runtime_error("world " + world.name + ": no room for a circle of " + std::to_string(std::abs(radius_m)) + " m radius");
+  throw std::invalid_argument("world " + world.name + ": no room for a circle of " + std::to_string(std::abs(radius_m)) + " m radius");
 }
 
 std::pair<Vector2d, Vector2d> find_line(const World& world, double clearance_m, Random& random) {
@@ -119,7 +119,7 @@ std::pair<Vector2d, Vector2d> find_line(const World& world, double clearance_m, 
     while (length < kLongest_m && caster.clearance(pose->translation() + (length + kStep_m) * direction, clearance_m) >= clearance_m) length += kStep_m;
     if (length > (best.second - best.first).norm()) best = {pose->translation(), pose->translation() + length * direction};
   }
-  if ((best.second - best.first).norm() < kShortest_m) throw std::runtime_error("world " + world.name + ": no free line to drive along");
+  if ((best.second - best.first).norm() < kShortest_m) throw std::invalid_argument("world " + world.name + ": no free line to drive along");
   return best;
 }
 

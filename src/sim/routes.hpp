@@ -13,7 +13,7 @@ namespace phasescan::sim {
 /// Rounds through a world: from a start through every room that can be reached and back.
 class TourPlanner {
  public:
-  /// @throws std::runtime_error where no point of the world is free, or nothing can be reached from any.
+  /// @throws std::invalid_argument where no point of the world is free, or nothing can be reached from any.
   TourPlanner(const World& world, double clearance_m, Random& random);
 
   /// The next round: a polyline from the start through a free point of each room, nearest first, and back to the start.
@@ -27,13 +27,13 @@ class TourPlanner {
   FreeSpace::Distances from_start_;
 };
 
-/// A free point in one of the rooms. @throws std::runtime_error after many tries.
+/// A free point in one of the rooms. @throws std::invalid_argument after many tries.
 Eigen::Vector2d find_point(const World& world, double clearance_m, Random& random);
 
-/// A pose from which a circle of this radius (left for positive, right for negative) keeps clear. @throws std::runtime_error
+/// A pose from which a circle of this radius (left for positive, right for negative) keeps clear. @throws std::invalid_argument
 Pose2 find_circle(const World& world, double radius_m, double clearance_m, Random& random);
 
-/// The longest of many free lines, at most 6 m long. @throws std::runtime_error
+/// The longest of many free lines, at most 6 m long. @throws std::invalid_argument
 std::pair<Eigen::Vector2d, Eigen::Vector2d> find_line(const World& world, double clearance_m, Random& random);
 
 }  // namespace phasescan::sim

@@ -42,7 +42,7 @@ struct DriveScan {
 /// Scans of a drive one by one, in bounded memory. The same for the same world, options and seed.
 class Drive {
  public:
-  /// @throws std::invalid_argument for options out of bounds, std::runtime_error where the world has no room for the people.
+  /// @throws std::invalid_argument for options out of bounds, or where the world has no room for the people.
   Drive(const World& world, const LidarOptions& lidar, Path path, const DriveOptions& options, std::uint64_t seed);
   ~Drive();
   Drive(Drive&&) noexcept;

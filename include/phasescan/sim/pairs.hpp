@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,7 +28,8 @@ PairBounds pair_bounds(PairClass cls);
 /// One row of a benchmark.
 struct PairRow {
   std::string dataset = "sim";
-  std::vector<WorldKind> worlds{WorldKind::kRoom};  ///< one is drawn for each pair
+  std::vector<WorldKind> worlds{WorldKind::kRoom};  ///< one is drawn for each pair, and a building of that kind
+  std::shared_ptr<const World> fixed;               ///< if set, all pairs are of this world instead
   std::vector<PairClass> classes{PairClass::kSmall, PairClass::kMiddle, PairClass::kLarge, PairClass::kGlobal};  ///< taken in turn
   std::string sensor = "rplidar-a1";
   int weight = 1;  ///< share of the file's pairs
@@ -75,7 +77,7 @@ class PairGenerator {
   PairGenerator(PairsSpec spec, std::uint64_t seed);
 
   /// Pair k of the file. Rows take turns by weight, a row's classes take turns within it.
-  /// @throws std::runtime_error naming the row if no such pair could be placed in any of many worlds.
+  /// @throws std::invalid_argument naming the row if no such pair could be placed in any of many worlds.
   SimulatedPair make(std::uint64_t k) const;
 
   const PairsSpec& spec() const { return spec_; }

@@ -1,0 +1,47 @@
+#include "sim/yaml_fields.hpp"
+
+#include <filesystem>
+
+#include "phasescan/io/file.hpp"
+#include "sim/embedded.hpp"
+
+namespace phasescan::sim {
+
+YAML::Node load_yaml(const std::string& text, const std::string& name) {
+  try {
+    return YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw InputError(name, error.mark.line + 1, "not YAML: " + error.msg);
+  }
+}
+
+std::string find_config(const std::string& path_or_name, const std::string& folder, std::string& name) {
+  // A bare name is the built-in one whatever lies in the folder the user happens to be in; with ".yaml" a file there goes first.
+  const EmbeddedFile* built_in = nullptr;
+  std::string choices;
+  for (const EmbeddedFile& file : embedded_files()) {
+    const std::filesystem::path path{std::string(file.name)};
+    if (path.parent_path() != folder) continue;
+    if (path.stem() == path_or_name || path.filename() == path_or_name) built_in = &file;
+    choices += (choices.empty() ? "" : ", ") + path.stem().string();
+  }
+  const bool bare = built_in && std::filesystem::path(path_or_name).extension().empty();
+  if (!bare && std::filesystem::exists(path_or_name)) {
+    name = path_or_name;
+    return read_file(path_or_name);
+  }
+  if (!built_in) throw InputError(path_or_name, 0, "no such file, and not one of " + choices);
+  name = std::filesystem::path(std::string(built_in->name)).filename().string();
+  return std::string(built_in->text);
+}
+
+std::vector<std::string> config_names(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const EmbeddedFile& file : embedded_files()) {
+    const std::filesystem::path path{std::string(file.name)};
+    if (path.parent_path() == folder) names.push_back(path.stem().string());
+  }
+  return names;
+}
+
+}  // namespace phasescan::sim
