@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# What the documents say is what the project does. readme.sh SOURCE_DIR COMMAND
+set -euo pipefail
+fail() { echo "$1" >&2; exit 1; }
+
+# The README's C++ stands, line for line, in an example that is built and run.
+sed -n '/^```cpp$/,/^```$/p' "$1/README.md" | sed '1d;$d' >"${TMPDIR:-/tmp}/readme-cpp.$$"
+trap 'rm -f "${TMPDIR:-/tmp}/readme-cpp.$$"' EXIT
+[ -s "${TMPDIR:-/tmp}/readme-cpp.$$" ] || fail "README.md has no C++"
+python3 - "${TMPDIR:-/tmp}/readme-cpp.$$" "$1/examples/02_where_am_i.cpp" <<'PYTHON' || fail "README.md and examples/02_where_am_i.cpp differ"
+import sys
+sys.exit(0 if open(sys.argv[1]).read() in open(sys.argv[2]).read() else 1)
+PYTHON
+
+# docs/parameters.md is what `config --dump` prints.
+"$1/scripts/parameters" "$2" | cmp -s - "$1/docs/parameters.md" || fail "docs/parameters.md is out of date: run scripts/parameters >docs/parameters.md"
+
+# Every file that the README links to is there.
+grep -oE '\]\([^)#]+\)' "$1/README.md" | sed 's/^](//; s/)$//' | grep -v '^http' | while read -r target; do
+  [ -e "$1/$target" ] || fail "README.md links to $target, which does not exist"
+done
