@@ -62,7 +62,10 @@ void add_threads_flag(CLI::App& command, CommonFlags& flags, int default_threads
 }
 
 void add_seed_flag(CLI::App& command, CommonFlags& flags) {
-  command.add_option("--seed", flags.seed, "seed where chance is involved")->type_name("N")->capture_default_str();
+  command.add_option("--seed", flags.seed, "seed where chance is involved")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
 }
 
 void add_no_times_flag(CLI::App& command, CommonFlags& flags) {
