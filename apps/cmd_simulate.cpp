@@ -70,7 +70,9 @@ sim::PairsSpec pairs_spec(const SimulateFlags& flags) {
 }
 
 int simulate_pairs(const SimulateFlags& flags) {
-  refuse(flags, {"--path", "--speed", "--turn-rate", "--jitter", "--jitter-deg", "--duration", "--odometry", "--people", "--no-motion"},
+  refuse(flags,
+         {"--path", "--speed", "--turn-rate", "--jitter", "--jitter-deg", "--duration", "--odometry", "--people",
+          "--no-motion"},
          "is of a drive, not of pairs; expected no --pairs with it");
   const sim::PairsSpec spec = pairs_spec(flags);
   const sim::PairGenerator generator(spec, flags.given("--seed") ? flags.common.seed : spec.seed);
@@ -147,21 +149,26 @@ void add_simulate_command(CLI::App& app, CommandBody& body) {
   flags->command = command;
   const std::string kinds = joined(enum_names<sim::WorldKind>()), paths = joined(enum_names<sim::PathKind>());
   const std::string sensors = joined(sim::lidar_names()), benchmarks = joined(sim::pairs_spec_names());
-  command->add_option("--out", flags->out, "the log (truth goes to LOG.truth.tum) or the pairs file; .gz packs it")->required();
-  command->add_option("--world", flags->world, "a kind (" + kinds + "), KIND:SEED for one building, or a YAML file; flat");
+  command->add_option("--out", flags->out, "the log (truth goes to LOG.truth.tum) or the pairs file; .gz packs it")
+      ->required();
+  command->add_option("--world", flags->world,
+                      "a kind (" + kinds + "), KIND:SEED for one building, or a YAML file; flat");
   command->add_option("--sensor", flags->sensor, "a sensor (" + sensors + ") or a YAML file")->capture_default_str();
   command->add_option("--path", flags->path, "a kind (" + paths + ") or a YAML file of points")->capture_default_str();
   command->add_option("--speed", flags->drive.speed_mps, "m/s, at most")->capture_default_str();
   command->add_option("--turn-rate", flags->drive.turn_rate_dps, "deg/s, at most")->capture_default_str();
-  command->add_option("--duration", flags->drive.duration_s, "seconds; 0: one round of a tour, else 60 s")->capture_default_str();
+  command->add_option("--duration", flags->drive.duration_s, "seconds; 0: one round of a tour, else 60 s")
+      ->capture_default_str();
   command->add_option("--jitter", flags->drive.jitter_m, "vibration, m (standard deviation)")->capture_default_str();
   command->add_option("--jitter-deg", flags->drive.jitter_deg, "vibration of the heading, deg")->capture_default_str();
   command->add_option("--people", flags->what.people, "people walking about")->capture_default_str();
   command->add_flag("--odometry", flags->what.odometry, "wheel odometry in the log: drifting, noisy, slipping");
   command->add_flag("--no-motion", flags->no_motion, "all beams of a scan at one time: no distortion by motion");
   command->add_option("--pairs", flags->pairs, "makes this many pairs instead of a log");
-  command->add_option("--config", flags->common.config, "with --pairs: a benchmark (" + benchmarks + ") or a YAML file; bench-sim");
-  command->add_option("--classes", flags->classes, "with --pairs and --world: small, middle, large, global, none")->delimiter(',');
+  command->add_option("--config", flags->common.config,
+                      "with --pairs: a benchmark (" + benchmarks + ") or a YAML file; bench-sim");
+  command->add_option("--classes", flags->classes, "with --pairs and --world: small, middle, large, global, none")
+      ->delimiter(',');
   add_seed_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);
   command->callback([flags, &body] {

@@ -33,13 +33,15 @@ struct Drive::Impl {
   std::size_t done = 0;
   std::size_t total = 0;
 
-  Impl(const World& world, const LidarOptions& lidar_options, Path way, const DriveOptions& drive_options, std::uint64_t drive_seed)
+  Impl(const World& world, const LidarOptions& lidar_options, Path way, const DriveOptions& drive_options,
+       std::uint64_t drive_seed)
       : caster(world.shape),
         lidar(lidar_options),
         path(std::move(way)),
         options(drive_options),
         seed(drive_seed),
-        odometry({options.odometry_scale, options.odometry_noise, options.odometry_slip_per_min}, Random::derive(drive_seed, 1)) {
+        odometry({options.odometry_scale, options.odometry_noise, options.odometry_slip_per_min},
+                 Random::derive(drive_seed, 1)) {
     validate_options("sensor", lidar);
     validate_options("drive", options);
     total = static_cast<std::size_t>(std::floor(path.duration() * lidar.rate_hz + 1e-9));
@@ -78,7 +80,8 @@ std::optional<DriveScan> Drive::next() {
   Random random(Random::derive(run.seed, 1'000'000 + run.done));
   const Shape people = run.people_at(start + 0.5 * period);
   DriveScan out;
-  out.entry.scan = simulate_scan({&run.caster, &people}, run.lidar, [&](double t) { return run.path.pose_at(start + t); }, start, random);
+  out.entry.scan = simulate_scan(
+      {&run.caster, &people}, run.lidar, [&](double t) { return run.path.pose_at(start + t); }, start, random);
   out.T_world_laser = run.path.pose_at(start);
   out.twist = run.path.twist_at(start);
   if (run.options.odometry) out.entry.odometry = run.odometry.advance(out.T_world_laser, start);
@@ -87,7 +90,11 @@ std::optional<DriveScan> Drive::next() {
   return out;
 }
 
-std::size_t Drive::size() const { return impl_->total; }
-const Path& Drive::path() const { return impl_->path; }
+std::size_t Drive::size() const {
+  return impl_->total;
+}
+const Path& Drive::path() const {
+  return impl_->path;
+}
 
 }  // namespace phasescan::sim

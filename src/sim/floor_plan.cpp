@@ -41,7 +41,8 @@ void add_wall(const Vector2d& a, const Vector2d& b, const PlanStyle& style, Shap
 }
 
 /// Jambs, leaf and glazing of a door whose gap runs from p to q on the low side; `across` leads to the high side.
-void add_door_parts(const DoorPlan& door, const Vector2d& p, const Vector2d& q, const Vector2d& across, Shape& shape, Random& random) {
+void add_door_parts(const DoorPlan& door, const Vector2d& p, const Vector2d& q, const Vector2d& across, Shape& shape,
+                    Random& random) {
   shape.add_line({p, p + across});
   shape.add_line({q, q + across});
   if (door.state == DoorState::kNoLeaf) return;
@@ -82,7 +83,8 @@ bool add_door(FloorPlan& plan, int room_a, int room_b, double width, double wall
     plan.doors.push_back({low, high, x_wall, start, start + width, DoorState::kOpen, false});
     return true;
   };
-  return find(room_a, room_b, true) || find(room_b, room_a, true) || find(room_a, room_b, false) || find(room_b, room_a, false);
+  return find(room_a, room_b, true) || find(room_b, room_a, true) || find(room_a, room_b, false) ||
+         find(room_b, room_a, false);
 }
 
 World build_world(const FloorPlan& plan, Random& random) {
@@ -91,24 +93,33 @@ World build_world(const FloorPlan& plan, Random& random) {
   std::vector<std::vector<Vector2d>> entrances(plan.rooms.size());
   for (std::size_t r = 0; r < plan.rooms.size(); ++r) {
     const RoomPlan& room = plan.rooms[r];
-    Side sides[4] = {{{room.x0, room.y0}, {room.x1, room.y0}, {}}, {{room.x1, room.y0}, {room.x1, room.y1}, {}},
-                     {{room.x1, room.y1}, {room.x0, room.y1}, {}}, {{room.x0, room.y1}, {room.x0, room.y0}, {}}};
+    Side sides[4] = {{{room.x0, room.y0}, {room.x1, room.y0}, {}},
+                     {{room.x1, room.y0}, {room.x1, room.y1}, {}},
+                     {{room.x1, room.y1}, {room.x0, room.y1}, {}},
+                     {{room.x0, room.y1}, {room.x0, room.y0}, {}}};
     for (const DoorPlan& door : plan.doors) {
       const bool is_low = door.low == static_cast<int>(r), is_high = door.high == static_cast<int>(r);
       if (!is_low && !is_high) continue;
       if (door.in_x_wall) {
-        if (is_low) sides[1].openings.emplace_back(door.from - room.y0, door.to - room.y0);
-        else sides[3].openings.emplace_back(room.y1 - door.to, room.y1 - door.from);
+        if (is_low)
+          sides[1].openings.emplace_back(door.from - room.y0, door.to - room.y0);
+        else
+          sides[3].openings.emplace_back(room.y1 - door.to, room.y1 - door.from);
       } else {
-        if (is_low) sides[2].openings.emplace_back(room.x1 - door.to, room.x1 - door.from);
-        else sides[0].openings.emplace_back(door.from - room.x0, door.to - room.x0);
+        if (is_low)
+          sides[2].openings.emplace_back(room.x1 - door.to, room.x1 - door.from);
+        else
+          sides[0].openings.emplace_back(door.from - room.x0, door.to - room.x0);
       }
       // Nothing stands in front of a door.
-      const double middle = 0.5 * (door.from + door.to), width = door.to - door.from + 0.1, deep = std::min(1.8, 2.0 * width);
-      const Vector2d at = door.in_x_wall ? Vector2d(is_low ? room.x1 : room.x0, middle) : Vector2d(middle, is_low ? room.y1 : room.y0);
+      const double middle = 0.5 * (door.from + door.to), width = door.to - door.from + 0.1,
+                   deep = std::min(1.8, 2.0 * width);
+      const Vector2d at =
+          door.in_x_wall ? Vector2d(is_low ? room.x1 : room.x0, middle) : Vector2d(middle, is_low ? room.y1 : room.y0);
       constexpr double kInside_m = 0.45;
       const double inwards = is_low ? -kInside_m : kInside_m;
-      if (door.low >= 0 && door.high >= 0) entrances[r].push_back(at + (door.in_x_wall ? Vector2d(inwards, 0.0) : Vector2d(0.0, inwards)));
+      if (door.low >= 0 && door.high >= 0)
+        entrances[r].push_back(at + (door.in_x_wall ? Vector2d(inwards, 0.0) : Vector2d(0.0, inwards)));
       keep_clear.push_back({{at.x(), at.y(), 0.0}, door.in_x_wall ? deep : width, door.in_x_wall ? width : deep});
     }
     for (Side& side : sides) {
@@ -121,7 +132,8 @@ World build_world(const FloorPlan& plan, Random& random) {
       }
       add_wall(side.a + s * along, side.b, plan.style, world.shape, random);
     }
-    if (room.stand_here) world.rooms.push_back({{room.x0, room.y0}, {room.x1, room.y0}, {room.x1, room.y1}, {room.x0, room.y1}});
+    if (room.stand_here)
+      world.rooms.push_back({{room.x0, room.y0}, {room.x1, room.y0}, {room.x1, room.y1}, {room.x0, room.y1}});
   }
   for (const DoorPlan& door : plan.doors) {
     const RoomPlan* low = door.low >= 0 ? &plan.rooms[static_cast<std::size_t>(door.low)] : nullptr;
@@ -152,7 +164,8 @@ World build_world(const FloorPlan& plan, Random& random) {
   }
 
   // Nothing built is square: shear, and a smooth bend of a few centimetres over metres.
-  const double shear = random.normal(0.0, plan.style.shear), wave_x = random.uniform(0.3, 0.9), wave_y = random.uniform(0.3, 0.9);
+  const double shear = random.normal(0.0, plan.style.shear), wave_x = random.uniform(0.3, 0.9),
+               wave_y = random.uniform(0.3, 0.9);
   const double phase_x = random.uniform(0.0, kTwoPi), phase_y = random.uniform(0.0, kTwoPi), bend = plan.style.warp_m;
   const auto warp = [&](Vector2d& p) {
     p += Vector2d(shear * p.y() + bend * std::sin(wave_x * p.y() + phase_x), bend * std::sin(wave_y * p.x() + phase_y));

@@ -47,19 +47,21 @@ struct PlanStyle {
 struct FloorPlan {
   std::vector<RoomPlan> rooms;
   std::vector<DoorPlan> doors;
-  std::vector<Footprint> pillars;  ///< solid from floor to ceiling: pillars, chimneys, corners that are not part of a room
+  std::vector<Footprint>
+      pillars;  ///< solid from floor to ceiling: pillars, chimneys, corners that are not part of a room
   PlanStyle style;
 };
 
 /// Walls, doors and furniture of a plan.
 World build_world(const FloorPlan& plan, Random& random);
 
-/// Furniture of one room that leaves a way between all its entrances (points just inside its doors); `taken` are footprints to
-/// keep clear of, and grows.
-void furnish(const RoomPlan& room, const std::vector<Eigen::Vector2d>& entrances, double clutter, std::vector<Footprint>& taken, Shape& shape, Random& random);
+/// Furniture of one room that leaves a way between all its entrances (points just inside its doors); `taken` are
+/// footprints to keep clear of, and grows.
+void furnish(const RoomPlan& room, const std::vector<Eigen::Vector2d>& entrances, double clutter,
+             std::vector<Footprint>& taken, Shape& shape, Random& random);
 
-/// Draws an opening of `width` in the wall that two cells of a tiling share, with `margin` to its ends; none if it is too short.
-/// Rooms are the cells inset by half the wall.
+/// Draws an opening of `width` in the wall that two cells of a tiling share, with `margin` to its ends; none if it is
+/// too short. Rooms are the cells inset by half the wall.
 bool add_door(FloorPlan& plan, int room_a, int room_b, double width, double wall, Random& random);
 
 }  // namespace phasescan::sim

@@ -14,8 +14,10 @@ using Eigen::Vector2d;
 constexpr double kCell_m = 0.05;
 constexpr float kFar = 1e12F;
 
-/// Squared distance to the nearest zero of a row of squared distances: the lower envelope of parabolas [Felzenszwalb12].
-void transform_row(const std::vector<float>& in, std::vector<float>& out, std::vector<int>& vertex, std::vector<float>& border) {
+/// Squared distance to the nearest zero of a row of squared distances: the lower envelope of parabolas
+/// [Felzenszwalb12].
+void transform_row(const std::vector<float>& in, std::vector<float>& out, std::vector<int>& vertex,
+                   std::vector<float>& border) {
   const int n = static_cast<int>(in.size());
   int k = 0;
   vertex[0] = 0;
@@ -80,7 +82,8 @@ FreeSpace::FreeSpace(const World& world) {
     const Vector2d p = center(i);
     const auto contains = [&](const Polygon& room) { return inside_polygon(room, p); };
     const auto near_door = [&](const Doorway& d) { return point_segment_distance(p, d.a, d.b) < 0.5; };
-    if (std::none_of(world.rooms.begin(), world.rooms.end(), contains) && std::none_of(world.doors.begin(), world.doors.end(), near_door)) {
+    if (std::none_of(world.rooms.begin(), world.rooms.end(), contains) &&
+        std::none_of(world.doors.begin(), world.doors.end(), near_door)) {
       clearance_[static_cast<std::size_t>(i)] = 0.0F;
     }
   }
@@ -109,7 +112,9 @@ int FreeSpace::index(const Vector2d& p) const {
   return static_cast<int>(y) * columns_ + static_cast<int>(x);
 }
 
-Vector2d FreeSpace::center(int i) const { return origin_ + kCell_m * Vector2d(i % columns_ + 0.5, i / columns_ + 0.5); }
+Vector2d FreeSpace::center(int i) const {
+  return origin_ + kCell_m * Vector2d(i % columns_ + 0.5, i / columns_ + 0.5);
+}
 
 double FreeSpace::clearance(const Vector2d& p) const {
   const int i = index(p);
@@ -167,7 +172,8 @@ bool FreeSpace::straight(const Vector2d& a, const Vector2d& b, double clearance_
   return true;
 }
 
-std::optional<std::vector<Vector2d>> FreeSpace::way(const Distances& from, const Vector2d& goal, double clearance_m) const {
+std::optional<std::vector<Vector2d>> FreeSpace::way(const Distances& from, const Vector2d& goal,
+                                                    double clearance_m) const {
   int i = index(goal);
   if (i < 0 || !std::isfinite(from.cost_[static_cast<std::size_t>(i)])) return {};
   std::vector<Vector2d> cells;
@@ -180,7 +186,9 @@ std::optional<std::vector<Vector2d>> FreeSpace::way(const Distances& from, const
   while (at + 1 < cells.size()) {
     std::size_t next = at + 1;
     for (std::size_t k = at + 2; k < cells.size() && (cells[k] - cells[at]).norm() < kPull_m; ++k) {
-      if (straight(cells[at], cells[k], std::min(clearance_m + kCell_m, std::min(clearance(cells[at]), clearance(cells[k]))))) next = k;
+      if (straight(cells[at], cells[k],
+                   std::min(clearance_m + kCell_m, std::min(clearance(cells[at]), clearance(cells[k])))))
+        next = k;
     }
     legs.push_back(cells[next]);
     at = next;

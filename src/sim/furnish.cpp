@@ -21,35 +21,54 @@ struct Habit {
 
 std::span<const Habit> habits(RoomUse use) {
   using enum ItemKind;
-  static constexpr Habit living[] = {{kSofa, 1.1, false, true}, {kTable, 0.9, false, false}, {kCupboard, 1.2, true, true},
-      {kShelf, 0.9, true, true}, {kRadiator, 0.8, false, true}, {kCurtain, 1.2, false, true}, {kPlant, 1.0, true, true},
-      {kClutter, 2.5, true, true}, {kClutter, 0.6, true, false}, {kBin, 0.3, false, true}};
-  static constexpr Habit bedroom[] = {{kBed, 1.1, false, true}, {kCupboard, 1.6, true, true}, {kDesk, 0.5, false, true},
-      {kShelf, 0.5, true, true}, {kRadiator, 0.8, false, true}, {kCurtain, 1.0, false, true}, {kClutter, 2.5, true, true},
-      {kClutter, 0.6, true, false}, {kOfficeChair, 0.4, false, false}};
-  static constexpr Habit kitchen[] = {{kCupboard, 3.5, true, true}, {kTable, 0.9, false, false}, {kBin, 0.9, false, true},
-      {kRadiator, 0.5, false, true}, {kClutter, 1.6, true, true}};
+  static constexpr Habit living[] = {{kSofa, 1.1, false, true},     {kTable, 0.9, false, false},
+                                     {kCupboard, 1.2, true, true},  {kShelf, 0.9, true, true},
+                                     {kRadiator, 0.8, false, true}, {kCurtain, 1.2, false, true},
+                                     {kPlant, 1.0, true, true},     {kClutter, 2.5, true, true},
+                                     {kClutter, 0.6, true, false},  {kBin, 0.3, false, true}};
+  static constexpr Habit bedroom[] = {
+      {kBed, 1.1, false, true},    {kCupboard, 1.6, true, true},  {kDesk, 0.5, false, true},
+      {kShelf, 0.5, true, true},   {kRadiator, 0.8, false, true}, {kCurtain, 1.0, false, true},
+      {kClutter, 2.5, true, true}, {kClutter, 0.6, true, false},  {kOfficeChair, 0.4, false, false}};
+  static constexpr Habit kitchen[] = {{kCupboard, 3.5, true, true},
+                                      {kTable, 0.9, false, false},
+                                      {kBin, 0.9, false, true},
+                                      {kRadiator, 0.5, false, true},
+                                      {kClutter, 1.6, true, true}};
   static constexpr Habit bath[] = {{kBath, 2.4, false, true}, {kBin, 0.7, false, true}, {kClutter, 1.0, false, true}};
-  static constexpr Habit hallway[] = {{kCupboard, 0.8, true, true}, {kClutter, 2.5, true, true}, {kShelf, 0.4, true, true},
-      {kPlant, 0.3, false, true}};
-  static constexpr Habit office[] = {{kDesk, 1.8, true, true}, {kDesk, 0.4, true, false}, {kOfficeChair, 1.5, true, false},
-      {kCupboard, 0.9, true, true}, {kShelf, 0.8, true, true}, {kBin, 0.7, true, true}, {kPartition, 0.25, true, false},
-      {kRadiator, 0.8, false, true}, {kPlant, 0.3, true, true}, {kClutter, 1.4, true, true}, {kTable, 0.12, true, false}};
-  static constexpr Habit corridor[] = {{kCupboard, 0.7, true, true}, {kShelf, 0.35, true, true}, {kBin, 0.5, true, true},
-      {kRadiator, 0.4, true, true}, {kPlant, 0.25, true, true}, {kClutter, 1.1, true, true}, {kSofa, 0.1, true, true}};
-  static constexpr Habit hall[] = {{kMachine, 0.10, true, false}, {kPallet, 0.15, true, false}, {kRack, 0.06, true, false},
-      {kRack, 0.05, true, true}, {kCupboard, 0.06, true, true}, {kPallet, 0.1, true, true}, {kClutter, 0.15, true, true},
-      {kBin, 0.04, true, false}};
+  static constexpr Habit hallway[] = {
+      {kCupboard, 0.8, true, true}, {kClutter, 2.5, true, true}, {kShelf, 0.4, true, true}, {kPlant, 0.3, false, true}};
+  static constexpr Habit office[] = {
+      {kDesk, 1.8, true, true},        {kDesk, 0.4, true, false},     {kOfficeChair, 1.5, true, false},
+      {kCupboard, 0.9, true, true},    {kShelf, 0.8, true, true},     {kBin, 0.7, true, true},
+      {kPartition, 0.25, true, false}, {kRadiator, 0.8, false, true}, {kPlant, 0.3, true, true},
+      {kClutter, 1.4, true, true},     {kTable, 0.12, true, false}};
+  static constexpr Habit corridor[] = {
+      {kCupboard, 0.7, true, true}, {kShelf, 0.35, true, true},  {kBin, 0.5, true, true}, {kRadiator, 0.4, true, true},
+      {kPlant, 0.25, true, true},   {kClutter, 1.1, true, true}, {kSofa, 0.1, true, true}};
+  static constexpr Habit hall[] = {{kMachine, 0.10, true, false}, {kPallet, 0.15, true, false},
+                                   {kRack, 0.06, true, false},    {kRack, 0.05, true, true},
+                                   {kCupboard, 0.06, true, true}, {kPallet, 0.1, true, true},
+                                   {kClutter, 0.15, true, true},  {kBin, 0.04, true, false}};
   switch (use) {
-    case RoomUse::kLiving: return living;
-    case RoomUse::kBedroom: return bedroom;
-    case RoomUse::kKitchen: return kitchen;
-    case RoomUse::kBath: return bath;
-    case RoomUse::kHallway: return hallway;
-    case RoomUse::kOffice: return office;
-    case RoomUse::kCorridor: return corridor;
-    case RoomUse::kHall: return hall;
-    case RoomUse::kEmpty: break;
+    case RoomUse::kLiving:
+      return living;
+    case RoomUse::kBedroom:
+      return bedroom;
+    case RoomUse::kKitchen:
+      return kitchen;
+    case RoomUse::kBath:
+      return bath;
+    case RoomUse::kHallway:
+      return hallway;
+    case RoomUse::kOffice:
+      return office;
+    case RoomUse::kCorridor:
+      return corridor;
+    case RoomUse::kHall:
+      return hall;
+    case RoomUse::kEmpty:
+      break;
   }
   return {};
 }
@@ -83,12 +102,14 @@ bool fits(const RoomPlan& room, const Footprint& place, const std::vector<Footpr
       }
     }
   }
-  return std::none_of(taken.begin(), taken.end(), [&](const Footprint& other) { return footprints_overlap(place, other, 0.01); });
+  return std::none_of(taken.begin(), taken.end(),
+                      [&](const Footprint& other) { return footprints_overlap(place, other, 0.01); });
 }
 
 }  // namespace
 
-void furnish(const RoomPlan& room, const std::vector<Vector2d>& entrances, double clutter, std::vector<Footprint>& taken, Shape& shape, Random& random) {
+void furnish(const RoomPlan& room, const std::vector<Vector2d>& entrances, double clutter,
+             std::vector<Footprint>& taken, Shape& shape, Random& random) {
   if (clutter <= 0.0) return;
   PassageGrid passage(room, entrances);
   for (const Habit& habit : habits(room.use)) {

@@ -21,8 +21,8 @@ Item box(double width, double depth, Material material) {
   return item;
 }
 
-void add_legs(Shape& shape, const Vector2d& center, double width, double depth, double thickness, bool round, double turn,
-              Material material) {
+void add_legs(Shape& shape, const Vector2d& center, double width, double depth, double thickness, bool round,
+              double turn, Material material) {
   const Pose2 T_shape_legs{center.x(), center.y(), turn};
   for (const double sx : {-0.5, 0.5}) {
     for (const double sy : {-0.5, 0.5}) {
@@ -59,8 +59,9 @@ Item sofa(Random& random) {
   const double seat = 0.5 * depth - random.uniform(0.02, 0.12);
   Item item{{}, width, depth};
   const double w = 0.5 * width, d = 0.5 * depth;
-  item.shape.add_solid({{-w, -d}, {w, -d}, {w, d}, {w - arm, d}, {w - arm, seat}, {-w + arm, seat}, {-w + arm, d}, {-w, d}},
-                       surface(random, 0.22, 0.0));
+  item.shape.add_solid(
+      {{-w, -d}, {w, -d}, {w, d}, {w - arm, d}, {w - arm, seat}, {-w + arm, seat}, {-w + arm, d}, {-w, d}},
+      surface(random, 0.22, 0.0));
   return item;
 }
 
@@ -71,7 +72,8 @@ Item table(Random& random) {
   if (random.chance(0.15)) {
     item.shape.add_disc({0.0, 0.0}, random.uniform(0.05, 0.2));
   } else {
-    add_legs(item.shape, {0.0, 0.0}, width - 0.1, depth - 0.1, random.uniform(0.04, 0.08), round, 0.0, surface(random, 0.18, 0.0));
+    add_legs(item.shape, {0.0, 0.0}, width - 0.1, depth - 0.1, random.uniform(0.04, 0.08), round, 0.0,
+             surface(random, 0.18, 0.0));
   }
   const int chairs = static_cast<int>(random.below(5));
   for (int i = 0; i < chairs; ++i) {
@@ -120,7 +122,8 @@ Item clutter(Random& random) {
   Polygon outline;
   const double turn = random.uniform(0.0, kTwoPi);
   for (std::uint64_t i = 0; i < corners; ++i) {
-    const double angle = turn + kTwoPi * (static_cast<double>(i) + random.uniform(-0.25, 0.25)) / static_cast<double>(corners);
+    const double angle =
+        turn + kTwoPi * (static_cast<double>(i) + random.uniform(-0.25, 0.25)) / static_cast<double>(corners);
     const double r = radius * random.uniform(0.75, 1.0);
     outline.push_back({r * std::cos(angle), stretch * r * std::sin(angle)});
   }
@@ -148,7 +151,8 @@ Item curtain(Random& random) {
   const double width = random.uniform(0.4, 1.4), wave = random.uniform(0.08, 0.2), height = random.uniform(0.02, 0.06);
   Item item{{}, width, 0.15};
   Polygon line;
-  for (double x = -0.5 * width; x <= 0.5 * width; x += 0.25 * wave) line.push_back({x, height * std::sin(kTwoPi * x / wave)});
+  for (double x = -0.5 * width; x <= 0.5 * width; x += 0.25 * wave)
+    line.push_back({x, height * std::sin(kTwoPi * x / wave)});
   item.shape.add_line(line, surface(random, 0.18, 0.0));
   return item;
 }
@@ -173,32 +177,46 @@ Item make_item(ItemKind kind, Random& random) {
   switch (kind) {
     case ItemKind::kCupboard:
       return box(random.uniform(0.4, 1.8), random.uniform(0.35, 0.65), surface(random, 0.09, 0.03));
-    case ItemKind::kShelf: return shelf(random);
-    case ItemKind::kBed: return box(random.uniform(0.85, 1.8), random.uniform(1.9, 2.1), surface(random, 0.11, 0.0));
-    case ItemKind::kSofa: return sofa(random);
-    case ItemKind::kTable: return table(random);
-    case ItemKind::kDesk: return desk(random);
-    case ItemKind::kOfficeChair: return office_chair(random);
+    case ItemKind::kShelf:
+      return shelf(random);
+    case ItemKind::kBed:
+      return box(random.uniform(0.85, 1.8), random.uniform(1.9, 2.1), surface(random, 0.11, 0.0));
+    case ItemKind::kSofa:
+      return sofa(random);
+    case ItemKind::kTable:
+      return table(random);
+    case ItemKind::kDesk:
+      return desk(random);
+    case ItemKind::kOfficeChair:
+      return office_chair(random);
     case ItemKind::kBin: {
       const double radius = random.uniform(0.1, 0.2);
       Item item{{}, 2.0 * radius, 2.0 * radius};
       item.shape.add_disc({0.0, 0.0}, radius, surface(random, 0.27, 0.0));
       return item;
     }
-    case ItemKind::kClutter: return clutter(random);
+    case ItemKind::kClutter:
+      return clutter(random);
     case ItemKind::kPlant: {
       const double radius = random.uniform(0.12, 0.28);
       Item item{{}, 2.0 * radius, 2.0 * radius};
       item.shape.add_disc({0.0, 0.0}, radius);
       return item;
     }
-    case ItemKind::kRadiator: return radiator(random);
-    case ItemKind::kCurtain: return curtain(random);
-    case ItemKind::kBath: return box(random.uniform(0.4, 1.7), random.uniform(0.5, 0.75), Material::kMatt);
-    case ItemKind::kPartition: return box(random.uniform(1.2, 3.2), 0.05, surface(random, 0.09, 0.08));
-    case ItemKind::kMachine: return box(random.uniform(0.8, 4.0), random.uniform(0.8, 2.5), surface(random, 0.14, 0.0));
-    case ItemKind::kPallet: return box(random.uniform(0.8, 1.2), random.uniform(0.8, 1.2), surface(random, 0.09, 0.0));
-    case ItemKind::kRack: return rack(random);
+    case ItemKind::kRadiator:
+      return radiator(random);
+    case ItemKind::kCurtain:
+      return curtain(random);
+    case ItemKind::kBath:
+      return box(random.uniform(0.4, 1.7), random.uniform(0.5, 0.75), Material::kMatt);
+    case ItemKind::kPartition:
+      return box(random.uniform(1.2, 3.2), 0.05, surface(random, 0.09, 0.08));
+    case ItemKind::kMachine:
+      return box(random.uniform(0.8, 4.0), random.uniform(0.8, 2.5), surface(random, 0.14, 0.0));
+    case ItemKind::kPallet:
+      return box(random.uniform(0.8, 1.2), random.uniform(0.8, 1.2), surface(random, 0.09, 0.0));
+    case ItemKind::kRack:
+      return rack(random);
   }
   return {};
 }
@@ -209,7 +227,8 @@ Shape make_person(Random& random) {
     shape.add_disc({0.0, 0.0}, random.uniform(0.14, 0.22), surface(random, 0.27, 0.0));
     return shape;
   }
-  const double half = 0.5 * random.uniform(0.18, 0.4), turn = random.uniform(0.0, kPi), radius = random.uniform(0.05, 0.085);
+  const double half = 0.5 * random.uniform(0.18, 0.4), turn = random.uniform(0.0, kPi),
+               radius = random.uniform(0.05, 0.085);
   const Material material = surface(random, 0.36, 0.0);
   const Vector2d step(half * std::cos(turn), half * std::sin(turn));
   shape.add_disc(step, radius, material);
@@ -222,8 +241,10 @@ bool footprints_overlap(const Footprint& a, const Footprint& b, double margin) {
   const Eigen::Matrix2d axes_a = a.T_room_item.rotation(), axes_b = b.T_room_item.rotation();
   const Vector2d between = b.T_room_item.translation() - a.T_room_item.translation();
   for (const Vector2d& axis : std::array<Vector2d, 4>{axes_a.col(0), axes_a.col(1), axes_b.col(0), axes_b.col(1)}) {
-    const double reach_a = half_a.x() * std::abs(axes_a.col(0).dot(axis)) + half_a.y() * std::abs(axes_a.col(1).dot(axis));
-    const double reach_b = half_b.x() * std::abs(axes_b.col(0).dot(axis)) + half_b.y() * std::abs(axes_b.col(1).dot(axis));
+    const double reach_a =
+        half_a.x() * std::abs(axes_a.col(0).dot(axis)) + half_a.y() * std::abs(axes_a.col(1).dot(axis));
+    const double reach_b =
+        half_b.x() * std::abs(axes_b.col(0).dot(axis)) + half_b.y() * std::abs(axes_b.col(1).dot(axis));
     if (std::abs(between.dot(axis)) > reach_a + reach_b) return false;
   }
   return true;

@@ -16,8 +16,23 @@ struct Item {
 };
 
 enum class ItemKind {
-  kCupboard, kShelf, kBed, kSofa, kTable, kDesk, kOfficeChair, kBin, kClutter, kPlant, kRadiator, kCurtain, kBath, kPartition,
-  kMachine, kPallet, kRack
+  kCupboard,
+  kShelf,
+  kBed,
+  kSofa,
+  kTable,
+  kDesk,
+  kOfficeChair,
+  kBin,
+  kClutter,
+  kPlant,
+  kRadiator,
+  kCurtain,
+  kBath,
+  kPartition,
+  kMachine,
+  kPallet,
+  kRack
 };
 
 /// Makes a thing of a kind, with sizes, materials and untidiness drawn.

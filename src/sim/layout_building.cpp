@@ -39,13 +39,16 @@ FloorPlan plan_building(Random& random) {
     }
   }
   const std::size_t corridors = cells.size();
-  constexpr RoomUse rooms[] = {RoomUse::kOffice, RoomUse::kOffice, RoomUse::kOffice, RoomUse::kLiving, RoomUse::kKitchen, RoomUse::kBedroom};
+  constexpr RoomUse rooms[] = {RoomUse::kOffice, RoomUse::kOffice,  RoomUse::kOffice,
+                               RoomUse::kLiving, RoomUse::kKitchen, RoomUse::kBedroom};
   for (int r = 0; r < rows; ++r) {
     double from = corridor;
     for (int c = 1; c <= columns; ++c) {
       const double passage = shifted_x(c);
-      const bool open = std::any_of(cells.begin() + static_cast<std::ptrdiff_t>(first_cross), cells.begin() + static_cast<std::ptrdiff_t>(corridors),
-                                    [&](const Cell& cell) { return cell.x0 == passage && cell.y0 == shifted_y(r) + corridor; });
+      const bool open = std::any_of(cells.begin() + static_cast<std::ptrdiff_t>(first_cross),
+                                    cells.begin() + static_cast<std::ptrdiff_t>(corridors), [&](const Cell& cell) {
+                                      return cell.x0 == passage && cell.y0 == shifted_y(r) + corridor;
+                                    });
       if (!open) continue;
       split({from, shifted_y(r) + corridor, passage, shifted_y(r + 1)}, 2.8, 14.0, cells, random);
       from = passage + corridor;
@@ -66,7 +69,9 @@ FloorPlan plan_building(Random& random) {
     for (std::size_t k = 0; k < corridors; ++k) order[k] = k;
     const std::size_t turn = random.below(corridors);
     std::rotate(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(turn), order.end());
-    const auto opens_to = [&](std::size_t k) { return add_door(plan, static_cast<int>(k), static_cast<int>(i), random.uniform(0.85, 1.0), wall, random); };
+    const auto opens_to = [&](std::size_t k) {
+      return add_door(plan, static_cast<int>(k), static_cast<int>(i), random.uniform(0.85, 1.0), wall, random);
+    };
     if (std::any_of(order.begin(), order.end(), opens_to)) continue;
     for (std::size_t k = corridors; k < cells.size(); ++k) {
       if (k != i && opens_to(k)) break;

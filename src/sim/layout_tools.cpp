@@ -40,8 +40,8 @@ PlanStyle draw_style(Random& random) {
 void draw_states(FloorPlan& plan, double open, double ajar, double closed, Random& random) {
   for (DoorPlan& door : plan.doors) {
     const double u = random.uniform();
-    door.state = u < open ? DoorState::kOpen
-                 : u < open + ajar ? DoorState::kAjar
+    door.state = u < open                   ? DoorState::kOpen
+                 : u < open + ajar          ? DoorState::kAjar
                  : u < open + ajar + closed ? DoorState::kClosed
                                             : DoorState::kNoLeaf;
     door.glazed = random.chance(0.08);

@@ -25,7 +25,8 @@ void add_glass_doors(FloorPlan& plan, double x0, double y0, double x1, double y1
     const bool is_low = in_x_wall ? room.x1 > x1 - kEps : room.y1 > y1 - kEps;
     const double start = random.uniform(from + 0.2, to - 0.2 - width);
     const int index = static_cast<int>(i);
-    plan.doors.push_back({is_low ? index : -1, is_low ? -1 : index, in_x_wall, start, start + width, DoorState::kClosed, true});
+    plan.doors.push_back(
+        {is_low ? index : -1, is_low ? -1 : index, in_x_wall, start, start + width, DoorState::kClosed, true});
   }
 }
 
@@ -60,10 +61,12 @@ void cut_corner(FloorPlan& plan, std::size_t index, Random& random) {
   const RoomPlan& room = plan.rooms[index];
   const double width = random.uniform(0.4, 0.4 * room.width()), depth = random.uniform(0.4, 0.4 * room.height());
   const bool right = random.chance(0.5), top = random.chance(0.5);
-  const double x = right ? room.x1 - 0.5 * width : room.x0 + 0.5 * width, y = top ? room.y1 - 0.5 * depth : room.y0 + 0.5 * depth;
+  const double x = right ? room.x1 - 0.5 * width : room.x0 + 0.5 * width,
+               y = top ? room.y1 - 0.5 * depth : room.y0 + 0.5 * depth;
   for (const DoorPlan& door : plan.doors) {
     if (door.low != static_cast<int>(index) && door.high != static_cast<int>(index)) continue;
-    const double middle = 0.5 * (door.from + door.to), half = 0.5 * (door.to - door.from) + 0.5 * (door.in_x_wall ? depth : width);
+    const double middle = 0.5 * (door.from + door.to),
+                 half = 0.5 * (door.to - door.from) + 0.5 * (door.in_x_wall ? depth : width);
     if (std::abs(middle - (door.in_x_wall ? y : x)) < half + 0.3) return;
   }
   plan.pillars.push_back({{x, y, 0.0}, width, depth});
@@ -79,7 +82,8 @@ FloorPlan plan_room(Random& random) {
   plan.rooms.push_back(inset({0.0, 0.0, w, h}, wall, uses[random.below(4)]));
   // What lies behind its doors: a hallway, and often a neighbour.
   const double hall = random.uniform(1.1, 1.8);
-  plan.rooms.push_back(inset({random.uniform(-2.5, 0.0), -hall, w + random.uniform(0.0, 2.5), 0.0}, wall, RoomUse::kHallway, false));
+  plan.rooms.push_back(
+      inset({random.uniform(-2.5, 0.0), -hall, w + random.uniform(0.0, 2.5), 0.0}, wall, RoomUse::kHallway, false));
   if (random.chance(0.5)) {
     plan.rooms.push_back(inset({w, 0.0, w + random.uniform(2.0, 4.0), h}, wall, uses[random.below(4)], false));
     add_door(plan, 0, 2, random.chance(0.2) ? 1.6 : random.uniform(0.75, 0.95), wall, random);
@@ -102,7 +106,8 @@ FloorPlan plan_flat(Random& random) {
   const double w = random.uniform(7.0, 12.0), h = random.uniform(6.0, 9.5), wall = random.uniform(0.1, 0.18);
   std::vector<Cell> cells;
   if (random.chance(0.7)) {
-    const double y = h * random.uniform(0.35, 0.55), hall = random.uniform(1.15, 1.7), x = random.chance(0.5) ? w : w * random.uniform(0.6, 0.8);
+    const double y = h * random.uniform(0.35, 0.55), hall = random.uniform(1.15, 1.7),
+                 x = random.chance(0.5) ? w : w * random.uniform(0.6, 0.8);
     cells.push_back({0.0, y, x, y + hall});
     split({0.0, 0.0, w, y}, 2.0, 12.0, cells, random);
     split({0.0, y + hall, w, h}, 2.0, 12.0, cells, random);
@@ -113,12 +118,16 @@ FloorPlan plan_flat(Random& random) {
   std::vector<double> areas;
   for (const Cell& cell : cells) areas.push_back(cell.width() * cell.height());
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    constexpr RoomUse uses[] = {RoomUse::kBedroom, RoomUse::kKitchen, RoomUse::kLiving, RoomUse::kBedroom, RoomUse::kOffice};
+    constexpr RoomUse uses[] = {RoomUse::kBedroom, RoomUse::kKitchen, RoomUse::kLiving, RoomUse::kBedroom,
+                                RoomUse::kOffice};
     const double narrow = std::min(cells[i].width(), cells[i].height());
     RoomUse use = uses[random.below(5)];
-    if (narrow < 1.8) use = RoomUse::kHallway;
-    else if (areas[i] < 6.0) use = RoomUse::kBath;
-    else if (areas[i] > 18.0) use = RoomUse::kLiving;
+    if (narrow < 1.8)
+      use = RoomUse::kHallway;
+    else if (areas[i] < 6.0)
+      use = RoomUse::kBath;
+    else if (areas[i] > 18.0)
+      use = RoomUse::kLiving;
     plan.rooms.push_back(inset(cells[i], wall, use));
   }
   connect(plan, wall, 0.12, random);
@@ -193,7 +202,8 @@ FloorPlan plan_corridor(Random& random) {
   }
   draw_states(plan, 0.4, 0.2, 0.35, random);
   for (DoorPlan& door : plan.doors) {
-    if (is_branch[static_cast<std::size_t>(std::max(door.low, door.high))] || is_branch[static_cast<std::size_t>(std::min(door.low, door.high))]) {
+    if (is_branch[static_cast<std::size_t>(std::max(door.low, door.high))] ||
+        is_branch[static_cast<std::size_t>(std::min(door.low, door.high))]) {
       door.state = DoorState::kNoLeaf;
     }
   }
@@ -207,9 +217,11 @@ FloorPlan plan_hall(Random& random) {
   plan.style.clutter = random.uniform(0.7, 1.5);
   const double w = random.uniform(20.0, 38.0), h = random.uniform(14.0, 28.0), wall = 0.3;
   plan.rooms.push_back(inset({0.0, 0.0, w, h}, wall, RoomUse::kHall));
-  plan.rooms.push_back(inset({w, 0.0, w + random.uniform(5.0, 12.0), h * random.uniform(0.5, 1.0)}, wall, RoomUse::kHall, false));
+  plan.rooms.push_back(
+      inset({w, 0.0, w + random.uniform(5.0, 12.0), h * random.uniform(0.5, 1.0)}, wall, RoomUse::kHall, false));
   add_door(plan, 0, 1, random.uniform(2.5, 4.0), wall, random);
-  plan.rooms.push_back(inset({0.0, -random.uniform(3.0, 6.0), w * random.uniform(0.3, 0.8), 0.0}, wall, RoomUse::kOffice, false));
+  plan.rooms.push_back(
+      inset({0.0, -random.uniform(3.0, 6.0), w * random.uniform(0.3, 0.8), 0.0}, wall, RoomUse::kOffice, false));
   add_door(plan, 0, 2, random.uniform(0.9, 2.0), wall, random);
   draw_states(plan, 0.4, 0.0, 0.2, random);
   if (random.chance(0.75)) {
@@ -217,7 +229,8 @@ FloorPlan plan_hall(Random& random) {
     const double pitch = random.uniform(4.0, 8.0), size = random.uniform(0.25, 0.8);
     const int rows = h > 20.0 ? 2 : 1;
     for (int r = 1; r <= rows; ++r) {
-      for (double x = pitch; x < w - 1.0; x += pitch) plan.pillars.push_back({{x, h * r / (rows + 1), 0.0}, size, size});
+      for (double x = pitch; x < w - 1.0; x += pitch)
+        plan.pillars.push_back({{x, h * r / (rows + 1), 0.0}, size, size});
     }
   }
   return plan;

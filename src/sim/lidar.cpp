@@ -9,10 +9,14 @@ namespace {
 
 using Eigen::Vector2d;
 
-Vector2d unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
+Vector2d unit(double angle) {
+  return {std::cos(angle), std::sin(angle)};
+}
 
-/// A mixed pixel: where the two rims of a beam meet surfaces at different ranges the sensor says one, or something between.
-double mix_rims(const Surroundings& around, const LidarOptions& lidar, const Pose2& pose, double angle, double range, Random& random) {
+/// A mixed pixel: where the two rims of a beam meet surfaces at different ranges the sensor says one, or something
+/// between.
+double mix_rims(const Surroundings& around, const LidarOptions& lidar, const Pose2& pose, double angle, double range,
+                Random& random) {
   constexpr double kEdge_m = 0.08;
   const double half = 0.5 * deg_to_rad(lidar.beam_width_deg);
   const RayHit left = cast_beam(around, lidar, pose.translation(), unit(angle + half));
@@ -37,11 +41,17 @@ double LidarOptions::angle_increment() const {
   return clockwise ? -step : step;
 }
 
-double LidarOptions::time_increment() const { return std::abs(angle_increment()) / kTwoPi / rate_hz; }
+double LidarOptions::time_increment() const {
+  return std::abs(angle_increment()) / kTwoPi / rate_hz;
+}
 
-ScanGeometry LidarOptions::geometry() const { return {deg_to_rad(angle_min_deg), angle_increment(), range_min_m, range_max_m}; }
+ScanGeometry LidarOptions::geometry() const {
+  return {deg_to_rad(angle_min_deg), angle_increment(), range_min_m, range_max_m};
+}
 
-double LidarOptions::sigma(double range) const { return std::max(sigma_m, sigma_relative * range); }
+double LidarOptions::sigma(double range) const {
+  return std::max(sigma_m, sigma_relative * range);
+}
 
 LidarOptions LidarOptions::noise_free() const {
   LidarOptions clean = *this;
@@ -59,7 +69,8 @@ RayHit Surroundings::cast(const Vector2d& origin, const Vector2d& direction, dou
   return hit;
 }
 
-RayHit cast_beam(const Surroundings& around, const LidarOptions& lidar, const Vector2d& origin, const Vector2d& direction) {
+RayHit cast_beam(const Surroundings& around, const LidarOptions& lidar, const Vector2d& origin,
+                 const Vector2d& direction) {
   constexpr int kPanes = 8;
   constexpr double kBeyond_m = 1e-6;
   const double glass_cos = std::cos(deg_to_rad(lidar.glass_deg));
@@ -80,13 +91,14 @@ RayHit cast_beam(const Surroundings& around, const LidarOptions& lidar, const Ve
 Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar, const Pose2& T_world_laser, Random& random) {
   LidarOptions still = lidar;
   still.motion = false;
-  Scan scan = simulate_scan(around, still, [&](double) { return T_world_laser; }, 0.0, random);
+  Scan scan = simulate_scan(
+      around, still, [&](double) { return T_world_laser; }, 0.0, random);
   scan.time_increment = 0.0;
   return scan;
 }
 
-Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar, const std::function<Pose2(double)>& T_world_laser,
-                   double stamp_s, Random& random) {
+Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar,
+                   const std::function<Pose2(double)>& T_world_laser, double stamp_s, Random& random) {
   const auto count = static_cast<std::size_t>(lidar.beams);
   const double first = deg_to_rad(lidar.angle_min_deg), step = lidar.angle_increment(), dt = lidar.time_increment();
   const double grazing = deg_to_rad(lidar.grazing_deg);
@@ -96,7 +108,8 @@ Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar, const 
   const auto angle_of = [&](std::size_t i) { return pose_of(i).theta + first + static_cast<double>(i) * step; };
 
   std::vector<RayHit> hits(count);
-  for (std::size_t i = 0; i < count; ++i) hits[i] = cast_beam(around, lidar, pose_of(i).translation(), unit(angle_of(i)));
+  for (std::size_t i = 0; i < count; ++i)
+    hits[i] = cast_beam(around, lidar, pose_of(i).translation(), unit(angle_of(i)));
 
   std::vector<float> raw(count, 0.0F);
   const bool closed = lidar.fov_deg >= 360.0;

@@ -50,7 +50,9 @@ void blind(Scan& scan, double center_share, double width_share) {
   }
 }
 
-bool worth_matching(const Scan& scan) { return static_cast<double>(scan.hit_count()) >= kHitShare_min * static_cast<double>(scan.size()); }
+bool worth_matching(const Scan& scan) {
+  return static_cast<double>(scan.hit_count()) >= kHitShare_min * static_cast<double>(scan.size());
+}
 
 }  // namespace
 
@@ -59,11 +61,15 @@ PairBounds pair_bounds(PairClass cls) {
     return PairBounds{0.65 * distance, 1.35 * distance, deg_to_rad(0.5 * turn_deg), deg_to_rad(1.5 * turn_deg)};
   };
   switch (cls) {
-    case PairClass::kSmall: return around(0.3, 10.0);
-    case PairClass::kMiddle: return around(0.5, 20.0);
-    case PairClass::kLarge: return around(0.8, 30.0);
+    case PairClass::kSmall:
+      return around(0.3, 10.0);
+    case PairClass::kMiddle:
+      return around(0.5, 20.0);
+    case PairClass::kLarge:
+      return around(0.8, 30.0);
     case PairClass::kGlobal:
-    case PairClass::kNone: break;
+    case PairClass::kNone:
+      break;
   }
   return {0.2, 1.5, 0.0, kPi};
 }
@@ -72,14 +78,16 @@ void check_pair_row(const PairRow& row) {
   const auto fail = [&](const std::string& what) { throw std::invalid_argument("row " + row.dataset + ": " + what); };
   if (row.worlds.empty()) fail("worlds: none given");
   if (row.classes.empty()) fail("classes: none given");
-  if (row.fixed && std::count(row.classes.begin(), row.classes.end(), PairClass::kNone) > 0) fail("classes: none needs more than one world");
+  if (row.fixed && std::count(row.classes.begin(), row.classes.end(), PairClass::kNone) > 0)
+    fail("classes: none needs more than one world");
   if (row.weight < 1) fail("weight: must be 1 or more");
   if (!(row.fov_deg >= 0.0 && row.fov_deg <= 360.0)) fail("fov_deg: must be 0..360");
   if (!(row.clearance_m > 0.0)) fail("clearance_m: must be above 0");
   if (!(row.overlap_min >= 0.0 && row.overlap_min < row.overlap_max)) fail("overlap_min: must be below overlap_max");
   if (!(row.moved_min >= 0 && row.moved_min <= row.moved_max)) fail("moved_min: must be 0..moved_max");
   if (row.people_max < 0) fail("people_max: must be 0 or more");
-  if (!(row.dead_min_deg >= 0.0 && row.dead_min_deg <= row.dead_max_deg && row.dead_max_deg < 360.0)) fail("dead_min_deg: must be 0..dead_max_deg");
+  if (!(row.dead_min_deg >= 0.0 && row.dead_min_deg <= row.dead_max_deg && row.dead_max_deg < 360.0))
+    fail("dead_min_deg: must be 0..dead_max_deg");
   if (!(row.moved_share >= 0.0 && row.moved_share < 0.9)) fail("moved_share: must be 0..0.9");
 }
 
@@ -127,7 +135,8 @@ SimulatedPair PairGenerator::make(std::uint64_t k) const {
     if (cls == PairClass::kNone) {
       const World second = make_world(row.worlds[random.below(row.worlds.size())], random.bits());
       other.emplace(second.shape);
-      const auto a = draw_pose(out.world, caster, row.clearance_m, random), b = draw_pose(second, *other, row.clearance_m, random);
+      const auto a = draw_pose(out.world, caster, row.clearance_m, random),
+                 b = draw_pose(second, *other, row.clearance_m, random);
       if (!a || !b) continue;
       place = {*a, *b};
     } else {
@@ -137,7 +146,8 @@ SimulatedPair PairGenerator::make(std::uint64_t k) const {
     }
     // The frame's heading is the class's; the view's may be kept near the reference's.
     const double frame_heading = place.T_world_scan.theta;
-    if (row.turned_frame) place.T_world_scan.theta = wrap_angle(place.T_world_ref.theta + random.uniform(-kViewTurn_rad, kViewTurn_rad));
+    if (row.turned_frame)
+      place.T_world_scan.theta = wrap_angle(place.T_world_ref.theta + random.uniform(-kViewTurn_rad, kViewTurn_rad));
     draw_loose(caster, row, lidar, place, out.loose_ref, out.loose_scan, random);
     out.T_world_ref = place.T_world_ref;
     out.T_world_scan = place.T_world_scan;
@@ -155,7 +165,8 @@ SimulatedPair PairGenerator::make(std::uint64_t k) const {
       const double width = random.uniform(row.dead_min_deg, row.dead_max_deg) / lidar.fov_deg, at = random.uniform();
       const bool same = random.chance(0.5);
       blind(out.pair.reference, at, width);
-      blind(out.pair.scan, same ? at : random.uniform(), same ? width : random.uniform(row.dead_min_deg, row.dead_max_deg) / lidar.fov_deg);
+      blind(out.pair.scan, same ? at : random.uniform(),
+            same ? width : random.uniform(row.dead_min_deg, row.dead_max_deg) / lidar.fov_deg);
     }
     if (!worth_matching(out.pair.reference) || !worth_matching(out.pair.scan)) continue;
     out.pair.scan.geometry.angle_min += wrap_angle(place.T_world_scan.theta - frame_heading);
@@ -168,7 +179,8 @@ SimulatedPair PairGenerator::make(std::uint64_t k) const {
     out.pair.cls = std::string(to_string(cls));
     return out;
   }
-  throw std::invalid_argument("row " + row.dataset + ": no pair could be placed in " + std::to_string(kWorlds) + " worlds");
+  throw std::invalid_argument("row " + row.dataset + ": no pair could be placed in " + std::to_string(kWorlds) +
+                              " worlds");
 }
 
 }  // namespace phasescan::sim

@@ -63,7 +63,9 @@ LidarOptions parse_lidar(const std::string& text, const std::string& name) {
   const YAML::Node node = load_yaml(text, name);
   LidarOptions lidar;
   Fields fields(node, name);
-  LidarOptions::visit(lidar, [&](std::string_view key, auto& value, const OptionInfo&) { fields.take(std::string(key).c_str(), value); });
+  LidarOptions::visit(lidar, [&](std::string_view key, auto& value, const OptionInfo&) {
+    fields.take(std::string(key).c_str(), value);
+  });
   fields.finish();
   try {
     validate_options("sensor", lidar);
@@ -80,7 +82,11 @@ LidarOptions read_lidar(const std::string& path_or_name) {
   return parse_lidar(text, name);
 }
 
-std::vector<std::string> pairs_spec_names() { return config_names(""); }
-std::vector<std::string> lidar_names() { return config_names("sensors"); }
+std::vector<std::string> pairs_spec_names() {
+  return config_names("");
+}
+std::vector<std::string> lidar_names() {
+  return config_names("sensors");
+}
 
 }  // namespace phasescan::sim

@@ -7,14 +7,19 @@ namespace phasescan::sim {
 namespace {
 
 /// Fine where it is narrow, coarse in halls.
-double cell_size(const RoomPlan& room) { return room.area() > 80.0 ? 0.2 : 0.1; }
+double cell_size(const RoomPlan& room) {
+  return room.area() > 80.0 ? 0.2 : 0.1;
+}
 
 constexpr double kHalfWay_m = 0.33;  ///< half of the narrowest way left open
 
 }  // namespace
 
 PassageGrid::PassageGrid(const RoomPlan& room, std::vector<Eigen::Vector2d> entrances)
-    : x0_(room.x0), y0_(room.y0), cell_(cell_size(room)), columns_(static_cast<int>(room.width() / cell_) + 1),
+    : x0_(room.x0),
+      y0_(room.y0),
+      cell_(cell_size(room)),
+      columns_(static_cast<int>(room.width() / cell_) + 1),
       rows_(static_cast<int>(room.height() / cell_) + 1) {
   const auto cells = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
   blocked_.assign(cells, 0);
@@ -37,15 +42,20 @@ PassageGrid::PassageGrid(const RoomPlan& room, std::vector<Eigen::Vector2d> entr
 bool PassageGrid::try_block(const Footprint& thing) {
   const double reach = 0.5 * std::hypot(thing.width, thing.depth) + kHalfWay_m;
   const Pose2 T_item_room = thing.T_room_item.inverse();
-  const auto low = [&](double center, double origin) { return std::max(0, static_cast<int>((center - reach - origin) / cell_)); };
-  const auto high = [&](double center, double origin, int count) { return std::min(count - 1, static_cast<int>((center + reach - origin) / cell_)); };
+  const auto low = [&](double center, double origin) {
+    return std::max(0, static_cast<int>((center - reach - origin) / cell_));
+  };
+  const auto high = [&](double center, double origin, int count) {
+    return std::min(count - 1, static_cast<int>((center + reach - origin) / cell_));
+  };
   std::vector<int> changed;
   for (int r = low(thing.T_room_item.y, y0_); r <= high(thing.T_room_item.y, y0_, rows_); ++r) {
     for (int c = low(thing.T_room_item.x, x0_); c <= high(thing.T_room_item.x, x0_, columns_); ++c) {
       const int i = r * columns_ + c;
       if (blocked_[static_cast<std::size_t>(i)]) continue;
       const Eigen::Vector2d p = T_item_room * Eigen::Vector2d(x0_ + (c + 0.5) * cell_, y0_ + (r + 0.5) * cell_);
-      const double dx = std::max(0.0, std::abs(p.x()) - 0.5 * thing.width), dy = std::max(0.0, std::abs(p.y()) - 0.5 * thing.depth);
+      const double dx = std::max(0.0, std::abs(p.x()) - 0.5 * thing.width),
+                   dy = std::max(0.0, std::abs(p.y()) - 0.5 * thing.depth);
       if (dx * dx + dy * dy >= kHalfWay_m * kHalfWay_m) continue;
       blocked_[static_cast<std::size_t>(i)] = 1;
       changed.push_back(i);
@@ -81,7 +91,8 @@ bool PassageGrid::passable() const {
     if (i + columns_ < columns_ * rows_) visit(i + columns_);
   }
   const auto free = static_cast<double>(std::count(blocked_.begin(), blocked_.end(), std::uint8_t{0}));
-  return std::all_of(entrances_.begin(), entrances_.end(), [&](int e) { return seen_[static_cast<std::size_t>(e)] != 0; }) &&
+  return std::all_of(entrances_.begin(), entrances_.end(),
+                     [&](int e) { return seen_[static_cast<std::size_t>(e)] != 0; }) &&
          static_cast<double>(reached) >= kReachable_min * free;
 }
 

@@ -14,7 +14,8 @@ class PassageGrid {
   /// @param entrances  points just inside the room's doors
   PassageGrid(const RoomPlan& room, std::vector<Eigen::Vector2d> entrances);
 
-  /// Puts a thing down if all entrances stay connected and most of the free floor can still be reached; false = it would block.
+  /// Puts a thing down if all entrances stay connected and most of the free floor can still be reached; false = it
+  /// would block.
   bool try_block(const Footprint& thing);
 
  private:
@@ -22,7 +23,7 @@ class PassageGrid {
 
   double x0_, y0_, cell_;
   int columns_, rows_;
-  std::vector<int> entrances_;       ///< cells
+  std::vector<int> entrances_;  ///< cells
   std::vector<std::uint8_t> blocked_;
   mutable std::vector<int> stack_;
   mutable std::vector<std::uint8_t> seen_;

@@ -29,14 +29,16 @@ void check(const PathOptions& options) {
   if (moves && options.kind != PathKind::kTurn && options.speed_mps <= 0.0) {
     throw std::invalid_argument("path.speed_mps: must be above 0 to move");
   }
-  const bool turns = options.kind == PathKind::kTour || options.kind == PathKind::kCircle || options.kind == PathKind::kTurn;
+  const bool turns =
+      options.kind == PathKind::kTour || options.kind == PathKind::kCircle || options.kind == PathKind::kTurn;
   if (turns && options.turn_rate_dps <= 0.0) throw std::invalid_argument("path.turn_rate_dps: must be above 0 to turn");
 }
 
 /// A polyline by arc length with a speed for each place: bends slow down, and braking begins before them.
 class SpeedProfile {
  public:
-  SpeedProfile(std::span<const Vector2d> points, const PathOptions& options) : points_(points.begin(), points.end()), along_(points.size(), 0.0) {
+  SpeedProfile(std::span<const Vector2d> points, const PathOptions& options)
+      : points_(points.begin(), points.end()), along_(points.size(), 0.0) {
     for (std::size_t i = 1; i < points_.size(); ++i) along_[i] = along_[i - 1] + (points_[i] - points_[i - 1]).norm();
     const auto count = static_cast<std::size_t>(length() / kGrain_m) + 2;
     speeds_.resize(count);
@@ -46,12 +48,14 @@ class SpeedProfile {
       const double s = static_cast<double>(k) * kGrain_m;
       const Vector2d before = point(s) - point(s - kWindow_m), after = point(s + kWindow_m) - point(s);
       const double bend = before.norm() > 0.0 && after.norm() > 0.0
-                              ? std::abs(std::atan2(before.x() * after.y() - before.y() * after.x(), before.dot(after))) : 0.0;
+                              ? std::abs(std::atan2(before.x() * after.y() - before.y() * after.x(), before.dot(after)))
+                              : 0.0;
       const double fit = bend > 0.0 ? kMargin * top_turn * kWindow_m / bend : options.speed_mps;
       speeds_[k] = std::min(options.speed_mps, std::max(fit, std::min(kCrawl, 0.5 * options.speed_mps)));
     }
     for (std::size_t k = count - 1; k-- > 0;) {
-      speeds_[k] = std::min(speeds_[k], std::sqrt(speeds_[k + 1] * speeds_[k + 1] + 1.2 * options.acceleration_mps2 * kGrain_m));
+      speeds_[k] =
+          std::min(speeds_[k], std::sqrt(speeds_[k + 1] * speeds_[k + 1] + 1.2 * options.acceleration_mps2 * kGrain_m));
     }
   }
 
@@ -86,7 +90,8 @@ Jitter::Jitter(double sigma_m, double sigma_deg, Random& random) {
     if (sigmas[axis] <= 0.0) continue;
     for (int i = 0; i < kWaves; ++i) {
       // Amplitudes so that the variances of all waves add up to sigma^2.
-      waves_[axis].push_back({kTwoPi * random.uniform(5.0, 25.0), random.uniform(0.0, kTwoPi), sigmas[axis] * std::sqrt(2.0 / kWaves)});
+      waves_[axis].push_back(
+          {kTwoPi * random.uniform(5.0, 25.0), random.uniform(0.0, kTwoPi), sigmas[axis] * std::sqrt(2.0 / kWaves)});
     }
   }
 }
@@ -109,7 +114,9 @@ Path::Path(const World& world, const PathOptions& options, std::uint64_t seed) {
       TourPlanner planner(world, options.clearance_m, random);
       do {
         const std::vector<Vector2d> round = planner.next_round(random);
-        if (poses_.empty()) poses_.push_back({round[0].x(), round[0].y(), std::atan2(round[1].y() - round[0].y(), round[1].x() - round[0].x())});
+        if (poses_.empty())
+          poses_.push_back(
+              {round[0].x(), round[0].y(), std::atan2(round[1].y() - round[0].y(), round[1].x() - round[0].x())});
         follow(round, options);
       } while (this->duration() < options.duration_s);
       break;
@@ -141,7 +148,8 @@ Path::Path(const World& world, const PathOptions& options, std::uint64_t seed) {
       break;
     }
   }
-  if (options.duration_s > 0.0) poses_.resize(std::min(poses_.size(), static_cast<std::size_t>(options.duration_s / kStep_s) + 2));
+  if (options.duration_s > 0.0)
+    poses_.resize(std::min(poses_.size(), static_cast<std::size_t>(options.duration_s / kStep_s) + 2));
 }
 
 Path::Path(std::span<const Vector2d> points, const PathOptions& options, std::uint64_t seed) {
@@ -149,7 +157,8 @@ Path::Path(std::span<const Vector2d> points, const PathOptions& options, std::ui
   if (points.size() < 2) throw std::invalid_argument("path.points: fewer than two");
   Random random(seed);
   jitter_ = Jitter(options.jitter_m, options.jitter_deg, random);
-  poses_.push_back({points[0].x(), points[0].y(), std::atan2(points[1].y() - points[0].y(), points[1].x() - points[0].x())});
+  poses_.push_back(
+      {points[0].x(), points[0].y(), std::atan2(points[1].y() - points[0].y(), points[1].x() - points[0].x())});
   follow(points, options);
 }
 
@@ -173,7 +182,8 @@ void Path::follow(std::span<const Vector2d> points, const PathOptions& options) 
   const double end = profile.length();
   double s = 0.0;
   // Ends in any case: a robot that has not arrived after this many steps is going round its goal.
-  const double generous = 60.0 + 10.0 * end / options.speed_mps + 10.0 * static_cast<double>(points.size()) * kPi / top_turn;
+  const double generous =
+      60.0 + 10.0 * end / options.speed_mps + 10.0 * static_cast<double>(points.size()) * kPi / top_turn;
   const auto most = static_cast<std::size_t>(generous / kStep_s);
   for (std::size_t i = 0; i < most; ++i) {
     const Pose2& pose = poses_.back();
@@ -204,7 +214,9 @@ Pose2 Path::smooth_at(double t) const {
   return poses_[i] * exp_twist(log_pose(poses_[i].inverse() * poses_[i + 1]), at - static_cast<double>(i));
 }
 
-Pose2 Path::pose_at(double t) const { return smooth_at(t) * jitter_.at(t); }
+Pose2 Path::pose_at(double t) const {
+  return smooth_at(t) * jitter_.at(t);
+}
 
 Twist2 Path::twist_at(double t) const {
   const Twist2 step = log_pose(smooth_at(t - 0.5 * kStep_s).inverse() * smooth_at(t + 0.5 * kStep_s));

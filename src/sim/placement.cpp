@@ -36,13 +36,15 @@ bool crosses_door(const World& world, const Vector2d& p, const Vector2d& q) {
 }
 
 /// A thing at a random direction and distance of a pose, clear of both poses; false if nothing fits.
-bool put_near(const RayCaster& caster, const Placement& place, const Pose2& near, double distance_min, double distance_max,
-              const Shape& thing, double radius, Shape& loose, Random& random) {
+bool put_near(const RayCaster& caster, const Placement& place, const Pose2& near, double distance_min,
+              double distance_max, const Shape& thing, double radius, Shape& loose, Random& random) {
   constexpr int kTries = 20;
   for (int i = 0; i < kTries; ++i) {
     const double angle = random.uniform(-kPi, kPi), distance = random.uniform(distance_min, distance_max);
     const Vector2d at = near.translation() + distance * Vector2d(std::cos(angle), std::sin(angle));
-    if ((at - place.T_world_ref.translation()).norm() < radius + 0.3 || (at - place.T_world_scan.translation()).norm() < radius + 0.3) continue;
+    if ((at - place.T_world_ref.translation()).norm() < radius + 0.3 ||
+        (at - place.T_world_scan.translation()).norm() < radius + 0.3)
+      continue;
     if (caster.clearance(at, radius) < radius || !caster.line_of_sight(near.translation(), at)) continue;
     loose.append(thing, {at.x(), at.y(), random.uniform(-kPi, kPi)});
     return true;
@@ -62,7 +64,8 @@ double share_on_loose(const RayCaster& caster, const Shape& loose, const LidarOp
   constexpr int kRays = 180;
   int on_loose = 0, all = 0;
   for (int i = 0; i < kRays; ++i) {
-    const double angle = pose.theta + deg_to_rad(lidar.angle_min_deg) + lidar.angle_increment() * lidar.beams * i / kRays;
+    const double angle =
+        pose.theta + deg_to_rad(lidar.angle_min_deg) + lidar.angle_increment() * lidar.beams * i / kRays;
     const Vector2d direction(std::cos(angle), std::sin(angle));
     const RayHit fixed = caster.cast(pose.translation(), direction, lidar.range_max_m);
     const RayHit moved = cast_all(loose, pose.translation(), direction, lidar.range_max_m);
@@ -80,9 +83,12 @@ std::optional<Pose2> draw_pose(const World& world, const RayCaster& caster, doub
   return Pose2{p->x(), p->y(), random.uniform(-kPi, kPi)};
 }
 
-std::optional<Placement> draw_placement(const World& world, const RayCaster& caster, const PairRow& row, PairClass cls, Random& random) {
+std::optional<Placement> draw_placement(const World& world, const RayCaster& caster, const PairRow& row, PairClass cls,
+                                        Random& random) {
   const PairBounds bounds = pair_bounds(cls);
-  const auto draw_turn = [&] { return random.uniform(bounds.turn_min, bounds.turn_max) * (random.chance(0.5) ? 1.0 : -1.0); };
+  const auto draw_turn = [&] {
+    return random.uniform(bounds.turn_min, bounds.turn_max) * (random.chance(0.5) ? 1.0 : -1.0);
+  };
   constexpr int kTries = 40;
   for (int i = 0; i < kTries; ++i) {
     std::optional<Pose2> ref;
@@ -92,18 +98,22 @@ std::optional<Placement> draw_placement(const World& world, const RayCaster& cas
       const Doorway& door = world.doors[random.below(world.doors.size())];
       const Vector2d middle = 0.5 * (door.a + door.b);
       const double reach = random.uniform(0.0, bounds.distance_max), angle = random.uniform(-kPi, kPi);
-      ref = Pose2{middle.x() + reach * std::cos(angle), middle.y() + reach * std::sin(angle), random.uniform(-kPi, kPi)};
+      ref =
+          Pose2{middle.x() + reach * std::cos(angle), middle.y() + reach * std::sin(angle), random.uniform(-kPi, kPi)};
       if (caster.clearance(ref->translation(), row.clearance_m) < row.clearance_m) continue;
     } else {
       ref = draw_pose(world, caster, row.clearance_m, random);
       if (!ref) continue;
     }
     for (int k = 0; k < 4; ++k) {
-      const double distance = random.uniform(bounds.distance_min, bounds.distance_max), angle = random.uniform(-kPi, kPi);
+      const double distance = random.uniform(bounds.distance_min, bounds.distance_max),
+                   angle = random.uniform(-kPi, kPi);
       const Vector2d q = ref->translation() + distance * Vector2d(std::cos(angle), std::sin(angle));
       const Pose2 scan{q.x(), q.y(), wrap_angle(ref->theta + draw_turn())};
-      if (caster.clearance(q, row.clearance_m) < row.clearance_m || !caster.line_of_sight(ref->translation(), q)) continue;
-      const bool in_room = std::any_of(world.rooms.begin(), world.rooms.end(), [&](const Polygon& room) { return inside_polygon(room, q); });
+      if (caster.clearance(q, row.clearance_m) < row.clearance_m || !caster.line_of_sight(ref->translation(), q))
+        continue;
+      const bool in_room = std::any_of(world.rooms.begin(), world.rooms.end(),
+                                       [&](const Polygon& room) { return inside_polygon(room, q); });
       if (!row.through_door && !in_room) continue;
       if (row.through_door && !crosses_door(world, ref->translation(), q)) continue;
       return Placement{*ref, scan};
@@ -112,11 +122,13 @@ std::optional<Placement> draw_placement(const World& world, const RayCaster& cas
   return {};
 }
 
-void draw_loose(const RayCaster& caster, const PairRow& row, const LidarOptions& lidar, const Placement& place, Shape& loose_ref,
-                Shape& loose_scan, Random& random) {
-  const Pose2 between{0.5 * (place.T_world_ref.x + place.T_world_scan.x), 0.5 * (place.T_world_ref.y + place.T_world_scan.y), 0.0};
+void draw_loose(const RayCaster& caster, const PairRow& row, const LidarOptions& lidar, const Placement& place,
+                Shape& loose_ref, Shape& loose_scan, Random& random) {
+  const Pose2 between{0.5 * (place.T_world_ref.x + place.T_world_scan.x),
+                      0.5 * (place.T_world_ref.y + place.T_world_scan.y), 0.0};
   constexpr double kNear_m = 0.5, kFar_m = 3.0;
-  const int moved = row.moved_min + static_cast<int>(random.below(static_cast<std::uint64_t>(row.moved_max - row.moved_min + 1)));
+  const int moved =
+      row.moved_min + static_cast<int>(random.below(static_cast<std::uint64_t>(row.moved_max - row.moved_min + 1)));
   for (int i = 0; i < moved; ++i) {
     double radius = 0.0;
     const Shape thing = movable(random, radius);
@@ -140,8 +152,10 @@ void draw_loose(const RayCaster& caster, const PairRow& row, const LidarOptions&
     for (int i = 0; i < kThings && share_on_loose(caster, loose, lidar, pose) < row.moved_share; ++i) {
       double radius = 0.15;
       Shape thing;
-      if (random.chance(0.4)) thing = make_person(random);
-      else thing = movable(random, radius);
+      if (random.chance(0.4))
+        thing = make_person(random);
+      else
+        thing = movable(random, radius);
       put_near(caster, place, pose, kNear_m, 2.0, thing, radius, loose, random);
     }
   }

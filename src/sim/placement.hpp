@@ -16,11 +16,13 @@ struct Placement {
 /// A free pose of any heading in one of the rooms; none after many tries.
 std::optional<Pose2> draw_pose(const World& world, const RayCaster& caster, double clearance_m, Random& random);
 
-/// Two free poses of the class in sight of each other; through a doorway where the row asks for it. None after many tries.
-std::optional<Placement> draw_placement(const World& world, const RayCaster& caster, const PairRow& row, PairClass cls, Random& random);
+/// Two free poses of the class in sight of each other; through a doorway where the row asks for it. None after many
+/// tries.
+std::optional<Placement> draw_placement(const World& world, const RayCaster& caster, const PairRow& row, PairClass cls,
+                                        Random& random);
 
 /// Objects and people that stand at different places in the two scans, in sight and clear of both poses.
-void draw_loose(const RayCaster& caster, const PairRow& row, const LidarOptions& lidar, const Placement& place, Shape& loose_ref,
-                Shape& loose_scan, Random& random);
+void draw_loose(const RayCaster& caster, const PairRow& row, const LidarOptions& lidar, const Placement& place,
+                Shape& loose_ref, Shape& loose_scan, Random& random);
 
 }  // namespace phasescan::sim

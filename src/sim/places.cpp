@@ -7,7 +7,8 @@
 
 namespace phasescan::sim {
 
-std::vector<Place> make_places(const PlacesOptions& options, const LidarOptions& lidar, std::uint64_t seed, std::uint64_t building) {
+std::vector<Place> make_places(const PlacesOptions& options, const LidarOptions& lidar, std::uint64_t seed,
+                               std::uint64_t building) {
   Random random(Random::derive(seed, building));
   const World world = make_world(options.world, random.bits());
   const RayCaster caster(world.shape);
@@ -17,7 +18,9 @@ std::vector<Place> make_places(const PlacesOptions& options, const LidarOptions&
   constexpr int kMisses = 60, kQueryTries = 40;
   for (int misses = 0; misses < kMisses;) {
     const auto pose = draw_pose(world, caster, options.clearance_m, random);
-    const auto near = [&](const Place& other) { return translation_distance(other.T_world_place, *pose) < options.apart_m; };
+    const auto near = [&](const Place& other) {
+      return translation_distance(other.T_world_place, *pose) < options.apart_m;
+    };
     if (!pose || std::any_of(places.begin(), places.end(), near)) {
       ++misses;
       continue;
@@ -25,7 +28,8 @@ std::vector<Place> make_places(const PlacesOptions& options, const LidarOptions&
     misses = 0;
     for (int i = 0; i < kQueryTries; ++i) {
       const double distance = options.reach_m * std::sqrt(random.uniform()), angle = random.uniform(-kPi, kPi);
-      const Pose2 query{pose->x + distance * std::cos(angle), pose->y + distance * std::sin(angle), random.uniform(-kPi, kPi)};
+      const Pose2 query{pose->x + distance * std::cos(angle), pose->y + distance * std::sin(angle),
+                        random.uniform(-kPi, kPi)};
       if (caster.clearance(query.translation(), options.clearance_m) < options.clearance_m) continue;
       if (!caster.line_of_sight(pose->translation(), query.translation())) continue;
       Place place{building, *pose, simulate_scan(around, lidar, *pose, random), query, {}};

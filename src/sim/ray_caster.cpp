@@ -8,9 +8,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Vector2d& a, const Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
-void meet(const Segment& s, const Vector2d& origin, const Vector2d& direction, double max_range, double min_range, RayHit& best) {
+void meet(const Segment& s, const Vector2d& origin, const Vector2d& direction, double max_range, double min_range,
+          RayHit& best) {
   const Vector2d edge = s.b - s.a;
   const double det = cross(direction, edge);
   if (det == 0.0) return;
@@ -24,7 +27,8 @@ void meet(const Segment& s, const Vector2d& origin, const Vector2d& direction, d
   best = {t, normal, -normal.dot(direction), s.material};
 }
 
-void meet(const Disc& d, const Vector2d& origin, const Vector2d& direction, double max_range, double min_range, RayHit& best) {
+void meet(const Disc& d, const Vector2d& origin, const Vector2d& direction, double max_range, double min_range,
+          RayHit& best) {
   const Vector2d to = d.center - origin;
   const double along = to.dot(direction);
   const double half2 = d.radius * d.radius - (to.squaredNorm() - along * along);
@@ -41,7 +45,8 @@ void meet(const Disc& d, const Vector2d& origin, const Vector2d& direction, doub
 
 }  // namespace
 
-RayHit cast_all(const Shape& shape, const Vector2d& origin, const Vector2d& direction, double max_range, double min_range) {
+RayHit cast_all(const Shape& shape, const Vector2d& origin, const Vector2d& direction, double max_range,
+                double min_range) {
   RayHit best;
   for (const Segment& s : shape.segments) meet(s, origin, direction, max_range, min_range, best);
   for (const Disc& d : shape.discs) meet(d, origin, direction, max_range, min_range, best);
@@ -72,11 +77,13 @@ RayCaster::RayCaster(const Shape& shape) : shape_(shape) {
   origin_ = low.array() - kMargin;
   const Vector2d size = (high - low).array() + 2.0 * kMargin;
   // About two cells per surface, none smaller than 0.2 m, and never more than a thousand a side.
-  cell_ = std::max({0.2, std::sqrt(size.x() * size.y() / (2.0 * static_cast<double>(count))), size.maxCoeff() / 1000.0});
+  cell_ =
+      std::max({0.2, std::sqrt(size.x() * size.y() / (2.0 * static_cast<double>(count))), size.maxCoeff() / 1000.0});
   columns_ = static_cast<int>(size.x() / cell_) + 1;
   rows_ = static_cast<int>(size.y() / cell_) + 1;
 
-  // A segment enters the cells of its bounding box that it really crosses: those whose corners lie on both sides of its line.
+  // A segment enters the cells of its bounding box that it really crosses: those whose corners lie on both sides of its
+  // line.
   const auto for_cells = [&](std::size_t i, auto&& visit) {
     Vector2d a, b;
     box_of(i, a, b);
@@ -103,8 +110,12 @@ RayCaster::RayCaster(const Shape& shape) : shape_(shape) {
   }
 }
 
-int RayCaster::column(double x) const { return std::clamp(static_cast<int>(std::floor((x - origin_.x()) / cell_)), 0, columns_ - 1); }
-int RayCaster::row(double y) const { return std::clamp(static_cast<int>(std::floor((y - origin_.y()) / cell_)), 0, rows_ - 1); }
+int RayCaster::column(double x) const {
+  return std::clamp(static_cast<int>(std::floor((x - origin_.x()) / cell_)), 0, columns_ - 1);
+}
+int RayCaster::row(double y) const {
+  return std::clamp(static_cast<int>(std::floor((y - origin_.y()) / cell_)), 0, rows_ - 1);
+}
 
 RayHit RayCaster::cast(const Vector2d& origin, const Vector2d& direction, double max_range, double min_range) const {
   RayHit best;
@@ -133,7 +144,8 @@ RayHit RayCaster::cast(const Vector2d& origin, const Vector2d& direction, double
     return (origin_[axis] + (index + (step > 0 ? 1 : 0)) * cell_ - origin[axis]) / direction[axis];
   };
   while (c >= 0 && c < columns_ && r >= 0 && r < rows_) {
-    const std::size_t cell = static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c);
+    const std::size_t cell =
+        static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c);
     for (std::uint32_t i = starts_[cell]; i < starts_[cell + 1]; ++i) {
       const std::size_t item = items_[i];
       if (item < shape_.segments.size()) {
@@ -163,7 +175,8 @@ double RayCaster::clearance(const Vector2d& p, double limit) const {
   double nearest = limit;
   for (int r = row(p.y() - limit); r <= row(p.y() + limit); ++r) {
     for (int c = column(p.x() - limit); c <= column(p.x() + limit); ++c) {
-      const std::size_t cell = static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c);
+      const std::size_t cell =
+          static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c);
       for (std::uint32_t i = starts_[cell]; i < starts_[cell + 1]; ++i) {
         const std::size_t item = items_[i];
         if (item < shape_.segments.size()) {

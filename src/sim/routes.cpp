@@ -74,7 +74,8 @@ std::vector<Vector2d> TourPlanner::next_round(Random& random) const {
   };
   FreeSpace::Distances here = from_start_;
   while (!goals.empty()) {
-    const auto nearest = std::min_element(goals.begin(), goals.end(), [&](const Vector2d& a, const Vector2d& b) { return here.at(a) < here.at(b); });
+    const auto nearest = std::min_element(
+        goals.begin(), goals.end(), [&](const Vector2d& a, const Vector2d& b) { return here.at(a) < here.at(b); });
     drive_to(here, *nearest);
     here = space_.distances_from(round.back(), clearance_m_);
     goals.erase(nearest);
@@ -99,11 +100,13 @@ Pose2 find_circle(const World& world, double radius_m, double clearance_m, Rando
     bool free = true;
     for (int k = 1; k < kPoints && free; ++k) {
       const Pose2 on = *pose * exp_twist({radius_m * kTwoPi, 0.0, kTwoPi}, static_cast<double>(k) / kPoints);
-      free = caster.clearance(on.translation(), clearance_m) >= clearance_m && caster.line_of_sight(pose->translation(), on.translation());
+      free = caster.clearance(on.translation(), clearance_m) >= clearance_m &&
+             caster.line_of_sight(pose->translation(), on.translation());
     }
     if (free) return *pose;
   }
-  throw std::invalid_argument("world " + world.name + ": no room for a circle of " + std::to_string(std::abs(radius_m)) + " m radius");
+  throw std::invalid_argument("world " + world.name + ": no room for a circle of " +
+                              std::to_string(std::abs(radius_m)) + " m radius");
 }
 
 std::pair<Vector2d, Vector2d> find_line(const World& world, double clearance_m, Random& random) {
@@ -116,10 +119,14 @@ std::pair<Vector2d, Vector2d> find_line(const World& world, double clearance_m, 
     if (!pose) continue;
     const Vector2d direction(std::cos(pose->theta), std::sin(pose->theta));
     double length = 0.0;
-    while (length < kLongest_m && caster.clearance(pose->translation() + (length + kStep_m) * direction, clearance_m) >= clearance_m) length += kStep_m;
-    if (length > (best.second - best.first).norm()) best = {pose->translation(), pose->translation() + length * direction};
+    while (length < kLongest_m &&
+           caster.clearance(pose->translation() + (length + kStep_m) * direction, clearance_m) >= clearance_m)
+      length += kStep_m;
+    if (length > (best.second - best.first).norm())
+      best = {pose->translation(), pose->translation() + length * direction};
   }
-  if ((best.second - best.first).norm() < kShortest_m) throw std::invalid_argument("world " + world.name + ": no free line to drive along");
+  if ((best.second - best.first).norm() < kShortest_m)
+    throw std::invalid_argument("world " + world.name + ": no free line to drive along");
   return best;
 }
 

@@ -30,7 +30,8 @@ class TourPlanner {
 /// A free point in one of the rooms. @throws std::invalid_argument after many tries.
 Eigen::Vector2d find_point(const World& world, double clearance_m, Random& random);
 
-/// A pose from which a circle of this radius (left for positive, right for negative) keeps clear. @throws std::invalid_argument
+/// A pose from which a circle of this radius (left for positive, right for negative) keeps clear. @throws
+/// std::invalid_argument
 Pose2 find_circle(const World& world, double radius_m, double clearance_m, Random& random);
 
 /// The longest of many free lines, at most 6 m long. @throws std::invalid_argument

@@ -33,8 +33,8 @@ bool in_view(const LidarOptions& lidar, const Pose2& pose, const Vector2d& point
 }
 
 /// What the other pose sees where this hit lies; nothing if something else answers there.
-std::optional<RayHit> seen_from(const Surroundings& around, const LidarOptions& lidar, const Pose2& pose, const Vector2d& point,
-                                const Vector2d& normal) {
+std::optional<RayHit> seen_from(const Surroundings& around, const LidarOptions& lidar, const Pose2& pose,
+                                const Vector2d& point, const Vector2d& normal) {
   constexpr double kSame_m = 0.03, kSameCos = 0.9;
   if (!in_view(lidar, pose, point)) return {};
   const Vector2d to = point - pose.translation();
@@ -45,13 +45,16 @@ std::optional<RayHit> seen_from(const Surroundings& around, const LidarOptions& 
   return hit;
 }
 
-/// True where both points lie on one flat piece of surface: what a single beam meets says nothing of where the surface runs.
+/// True where both points lie on one flat piece of surface: what a single beam meets says nothing of where the surface
+/// runs.
 bool same_piece(const Vector2d& p, const RayHit& at_p, const Vector2d& q, const RayHit& at_q) {
   constexpr double kFlat_m = 0.02, kFlatCos = 0.9;
-  return at_p.found() && at_q.found() && at_p.normal.dot(at_q.normal) > kFlatCos && std::abs(at_p.normal.dot(q - p)) < kFlat_m;
+  return at_p.found() && at_q.found() && at_p.normal.dot(at_q.normal) > kFlatCos &&
+         std::abs(at_p.normal.dot(q - p)) < kFlat_m;
 }
 
-Visible look(const Surroundings& own, const Pose2& pose, const Surroundings& other, const Pose2& other_pose, const LidarOptions& lidar) {
+Visible look(const Surroundings& own, const Pose2& pose, const Surroundings& other, const Pose2& other_pose,
+             const LidarOptions& lidar) {
   const auto count = static_cast<std::size_t>(lidar.beams);
   const double first = pose.theta + deg_to_rad(lidar.angle_min_deg), step = lidar.angle_increment();
   std::vector<RayHit> hits(count);
@@ -70,7 +73,8 @@ Visible look(const Surroundings& own, const Pose2& pose, const Surroundings& oth
     if (!back) continue;
     const bool resolved = (i > 0 && same_piece(points[i], hits[i], points[i - 1], hits[i - 1])) ||
                           (i + 1 < count && same_piece(points[i], hits[i], points[i + 1], hits[i + 1]));
-    out.mutual.push_back({points[i], hits[i].normal, resolved, hits[i].range, hits[i].cos_incidence, back->range, back->cos_incidence});
+    out.mutual.push_back(
+        {points[i], hits[i].normal, resolved, hits[i].range, hits[i].cos_incidence, back->range, back->cos_incidence});
   }
   return out;
 }
@@ -93,13 +97,15 @@ double variance_length(const LidarOptions& lidar, double range, double cos_incid
 
 Overlap pair_overlap(const Surroundings& around_ref, const Surroundings& around_scan, const LidarOptions& lidar,
                      const Pose2& T_world_ref, const Pose2& T_world_scan) {
-  const auto share = [](const Visible& v) { return v.hits ? static_cast<double>(v.mutual.size()) / static_cast<double>(v.hits) : 0.0; };
+  const auto share = [](const Visible& v) {
+    return v.hits ? static_cast<double>(v.mutual.size()) / static_cast<double>(v.hits) : 0.0;
+  };
   return {share(look(around_scan, T_world_scan, around_ref, T_world_ref, lidar)),
           share(look(around_ref, T_world_ref, around_scan, T_world_scan, lidar))};
 }
 
-Eigen::Matrix3d pair_information(const Surroundings& around_ref, const Surroundings& around_scan, const LidarOptions& lidar,
-                                 const Pose2& T_world_ref, const Pose2& T_world_scan) {
+Eigen::Matrix3d pair_information(const Surroundings& around_ref, const Surroundings& around_scan,
+                                 const LidarOptions& lidar, const Pose2& T_world_ref, const Pose2& T_world_scan) {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   const Eigen::Matrix2d R_ref_world = T_world_ref.rotation().transpose();
   const double step = std::abs(lidar.angle_increment());
@@ -109,8 +115,9 @@ Eigen::Matrix3d pair_information(const Surroundings& around_ref, const Surroundi
     for (const MutualHit& hit : visible.mutual) {
       if (!hit.resolved) continue;
       const double length = hit.range * step / std::max(1e-3, hit.incidence_cos);
-      const double weight = 0.5 * length / (variance_length(lidar, hit.range, hit.incidence_cos) +
-                                            variance_length(lidar, hit.other_range, hit.other_incidence_cos));
+      const double weight = 0.5 * length /
+                            (variance_length(lidar, hit.range, hit.incidence_cos) +
+                             variance_length(lidar, hit.other_range, hit.other_incidence_cos));
       const Vector2d n = R_ref_world * hit.normal, arm = R_ref_world * (hit.point - T_world_scan.translation());
       const Eigen::Vector3d gradient(n.x(), n.y(), -n.x() * arm.y() + n.y() * arm.x());
       information += weight * gradient * gradient.transpose();

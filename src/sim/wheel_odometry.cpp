@@ -23,7 +23,8 @@ Pose2 WheelOdometry::advance(const Pose2& T_world_base, double t) {
     const double size = driven + 0.1 * std::abs(step.omega);
     step.vx = step.vx * distance_scale_ * slip + random_.normal(0.0, errors_.noise * size);
     step.vy = 0.0;
-    step.omega = step.omega * turn_scale_ * slip + random_.normal(0.0, errors_.noise * (std::abs(step.omega) + 0.3 * driven));
+    step.omega =
+        step.omega * turn_scale_ * slip + random_.normal(0.0, errors_.noise * (std::abs(step.omega) + 0.3 * driven));
     T_odom_base_ = T_odom_base_ * exp_twist(step);
   }
   started_ = true;

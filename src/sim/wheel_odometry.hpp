@@ -9,9 +9,9 @@
 namespace phasescan::sim {
 
 struct WheelErrors {
-  double scale = 0.0;         ///< constant relative error of distance and of turn, standard deviation
-  double noise = 0.0;         ///< random relative error of each step
-  double slips_per_min = 0.0; ///< times a minute of driving that the wheels spin or block
+  double scale = 0.0;          ///< constant relative error of distance and of turn, standard deviation
+  double noise = 0.0;          ///< random relative error of each step
+  double slips_per_min = 0.0;  ///< times a minute of driving that the wheels spin or block
 };
 
 /// Adds up true motion with errors, starting at the identity.

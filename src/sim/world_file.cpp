@@ -27,7 +27,8 @@ Vector2d point_from(const YAML::Node& node, const std::string& file) {
   const auto number = [&](std::size_t i) {
     const double value = node[i].as<double>(std::nan(""));
     constexpr double kFarthest_m = 1e5;
-    if (!(std::abs(value) <= kFarthest_m)) throw InputError(file, node.Mark().line + 1, "expected a point [x, y] in metres");
+    if (!(std::abs(value) <= kFarthest_m))
+      throw InputError(file, node.Mark().line + 1, "expected a point [x, y] in metres");
     return value;
   };
   if (!node.IsSequence() || node.size() != 2) throw InputError(file, node.Mark().line + 1, "expected a point [x, y]");
@@ -54,8 +55,10 @@ void add_wall(const YAML::Node& node, const std::string& file, Shape& shape) {
   fields.finish();
   if (!points.IsDefined() || points.IsNull()) fields.fail(node, "points: missing");
   const Polygon line = points_from(points, file, closed ? 3 : 2);
-  if (closed) shape.add_solid(line, material);
-  else shape.add_line(line, material);
+  if (closed)
+    shape.add_solid(line, material);
+  else
+    shape.add_line(line, material);
 }
 
 void add_disc(const YAML::Node& node, const std::string& file, Shape& shape) {
@@ -105,7 +108,9 @@ World parse_world(const std::string& text, const std::string& name) {
   return world;
 }
 
-World read_world(const std::string& path) { return parse_world(read_file(path), path); }
+World read_world(const std::string& path) {
+  return parse_world(read_file(path), path);
+}
 
 std::optional<WorldKind> world_kind(std::string_view name) {
   if (name == "apartment") return WorldKind::kFlat;
@@ -121,13 +126,15 @@ World world_by_name(const std::string& kind_or_file, std::uint64_t seed) {
   if (!kind) {
     if (std::filesystem::exists(kind_or_file)) return read_world(kind_or_file);
     std::string choices;
-    for (const std::string_view name : enum_names<WorldKind>()) choices += (choices.empty() ? "" : ", ") + std::string(name);
+    for (const std::string_view name : enum_names<WorldKind>())
+      choices += (choices.empty() ? "" : ", ") + std::string(name);
     throw InputError(kind_or_file, 0, "no such file, and not one of " + choices);
   }
   if (colon != std::string::npos) {
     const char* end = kind_or_file.data() + kind_or_file.size();
     const auto [stop, error] = std::from_chars(kind_or_file.data() + colon + 1, end, seed);
-    if (error != std::errc() || stop != end) throw InputError(kind_or_file, 0, "expected a number after the ':' of a kind of world");
+    if (error != std::errc() || stop != end)
+      throw InputError(kind_or_file, 0, "expected a number after the ':' of a kind of world");
   }
   return make_world(*kind, seed);
 }

@@ -16,7 +16,8 @@ YAML::Node load_yaml(const std::string& text, const std::string& name) {
 }
 
 std::string find_config(const std::string& path_or_name, const std::string& folder, std::string& name) {
-  // A bare name is the built-in one whatever lies in the folder the user happens to be in; with ".yaml" a file there goes first.
+  // A bare name is the built-in one whatever lies in the folder the user happens to be in; with ".yaml" a file there
+  // goes first.
   const EmbeddedFile* built_in = nullptr;
   std::string choices;
   for (const EmbeddedFile& file : embedded_files()) {

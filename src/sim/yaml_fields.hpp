@@ -49,7 +49,9 @@ class Fields {
     }
   }
 
-  [[noreturn]] void fail(const YAML::Node& at, const std::string& what) const { throw InputError(file_, at.Mark().line + 1, what); }
+  [[noreturn]] void fail(const YAML::Node& at, const std::string& what) const {
+    throw InputError(file_, at.Mark().line + 1, what);
+  }
 
  private:
   template <class T>
@@ -61,7 +63,10 @@ class Fields {
         return field.as<T>();
       }
     } catch (const YAML::Exception&) {
-      fail(field, std::string(key) + ": expected " + (std::is_same_v<T, bool> ? "true or false" : std::is_arithmetic_v<T> ? "a number" : "a name"));
+      fail(field, std::string(key) + ": expected " +
+                      (std::is_same_v<T, bool>   ? "true or false"
+                       : std::is_arithmetic_v<T> ? "a number"
+                                                 : "a name"));
     } catch (const std::invalid_argument& error) {
       fail(field, std::string(key) + ": " + error.what());
     }

@@ -18,7 +18,8 @@ using Eigen::Vector2d;
 Shape round_room(Material material = Material::kMatt) {
   Shape shape;
   Polygon outline;
-  for (int i = 0; i <= 720; ++i) outline.push_back({3.0 * std::cos(kTwoPi * i / 720), 3.0 * std::sin(kTwoPi * i / 720)});
+  for (int i = 0; i <= 720; ++i)
+    outline.push_back({3.0 * std::cos(kTwoPi * i / 720), 3.0 * std::sin(kTwoPi * i / 720)});
   shape.add_line(outline, material);
   return shape;
 }
@@ -53,7 +54,8 @@ TEST(Lidar, ClockwiseAndCounterClockwiseSensorsAgree) {
   other.clockwise = false;
   Random random(1);
   const Pose2 pose{4.0, 3.0, 0.7};
-  const Scan a = simulate_scan({&caster, nullptr}, clockwise, pose, random), b = simulate_scan({&caster, nullptr}, other, pose, random);
+  const Scan a = simulate_scan({&caster, nullptr}, clockwise, pose, random),
+             b = simulate_scan({&caster, nullptr}, other, pose, random);
   EXPECT_LT(a.geometry.angle_increment, 0.0);
   EXPECT_GT(b.geometry.angle_increment, 0.0);
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -113,7 +115,8 @@ TEST(Lidar, GlassIsSeenHeadOnAndSeenThroughElse) {
   const LidarOptions lidar;
   EXPECT_NEAR(cast_beam({&caster, nullptr}, lidar, {0.0, 0.0}, {1.0, 0.0}).range, 2.0, 1e-12);
   const double angle = deg_to_rad(30.0);
-  EXPECT_NEAR(cast_beam({&caster, nullptr}, lidar, {0.0, 0.0}, {std::cos(angle), std::sin(angle)}).range, 4.0 / std::cos(angle), 1e-9);
+  EXPECT_NEAR(cast_beam({&caster, nullptr}, lidar, {0.0, 0.0}, {std::cos(angle), std::sin(angle)}).range,
+              4.0 / std::cos(angle), 1e-9);
 }
 
 TEST(Lidar, BlackIsSeenFromNearOnly) {

@@ -69,14 +69,16 @@ TEST(Pairs, TruthMapsTheCleanScanOntoTheReferencesWorld) {
     ASSERT_GT(clean.hit_count(), 0U);
     for (std::size_t i = 0; i < clean.size(); ++i) {
       if (!clean.is_hit(i)) continue;
-      const Vector2d p = static_cast<double>(clean.ranges[i]) * Vector2d(std::cos(clean.angle(i)), std::sin(clean.angle(i)));
+      const Vector2d p =
+          static_cast<double>(clean.ranges[i]) * Vector2d(std::cos(clean.angle(i)), std::sin(clean.angle(i)));
       EXPECT_LT(pair.world.shape.clearance(pair.T_world_ref * (*pair.pair.truth * p)), 1e-5);
     }
   }
 }
 
 TEST(Pairs, TheBenchmarkStaysWhatItWas) {
-  // bench-sim is fixed: whoever changes a world, a sensor or an order of draws finds it here, and says so in the changelog.
+  // bench-sim is fixed: whoever changes a world, a sensor or an order of draws finds it here, and says so in the
+  // changelog.
   struct Known {
     double x, y, theta;
     std::size_t hits;
@@ -117,11 +119,14 @@ TEST(PairsSpec, MistakesNameTheLine) {
     return "accepted";
   };
   EXPECT_EQ(message("seed: 1\nrows:\n  - {dataset: a, colour: red}\n"), "f.yaml:3: unknown key 'colour'");
-  EXPECT_THAT(message("rows:\n  - dataset: a\n    worlds: [cave]\n"), ::testing::HasSubstr("f.yaml:3: worlds: 'cave' is not one of room"));
-  EXPECT_THAT(message("rows:\n  - dataset: a\n    weight: many\n"), ::testing::HasSubstr("f.yaml:3: weight: expected a number"));
+  EXPECT_THAT(message("rows:\n  - dataset: a\n    worlds: [cave]\n"),
+              ::testing::HasSubstr("f.yaml:3: worlds: 'cave' is not one of room"));
+  EXPECT_THAT(message("rows:\n  - dataset: a\n    weight: many\n"),
+              ::testing::HasSubstr("f.yaml:3: weight: expected a number"));
   EXPECT_THAT(message("rows: [\n"), ::testing::HasSubstr("not YAML"));
   EXPECT_THAT(message("seed: 4\n"), ::testing::HasSubstr("rows: none given"));
-  EXPECT_THAT(message("rows:\n  - {dataset: a, weight: 0}\n"), ::testing::HasSubstr("f.yaml:2: row a: weight: must be 1 or more"));
+  EXPECT_THAT(message("rows:\n  - {dataset: a, weight: 0}\n"),
+              ::testing::HasSubstr("f.yaml:2: row a: weight: must be 1 or more"));
 }
 
 }  // namespace

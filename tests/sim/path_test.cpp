@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "phasescan/sim/ray_caster.hpp"
 #include "phasescan/sim/drive.hpp"
+#include "phasescan/sim/ray_caster.hpp"
 #include "phasescan/sim/world_kinds.hpp"
 
 namespace phasescan::sim {
@@ -17,7 +17,8 @@ using Eigen::Vector2d;
 double least_clearance(const World& world, const Path& path) {
   const RayCaster caster(world.shape);
   double least = 1.0;
-  for (double t = 0.0; t <= path.duration(); t += 0.05) least = std::min(least, caster.clearance(path.pose_at(t).translation(), 1.0));
+  for (double t = 0.0; t <= path.duration(); t += 0.05)
+    least = std::min(least, caster.clearance(path.pose_at(t).translation(), 1.0));
   return least;
 }
 
@@ -116,7 +117,8 @@ TEST(Path, PolylinesAreFollowed) {
   for (double t = 0.0; t < path.duration(); t += 0.1) {
     const Vector2d p = path.pose_at(t).translation();
     double off = 1e9;
-    for (std::size_t i = 1; i < points.size(); ++i) off = std::min(off, point_segment_distance(p, points[i - 1], points[i]));
+    for (std::size_t i = 1; i < points.size(); ++i)
+      off = std::min(off, point_segment_distance(p, points[i - 1], points[i]));
     EXPECT_LT(off, 0.12);
   }
   EXPECT_LT((path.pose_at(path.duration()).translation() - points.back()).norm(), 0.05);

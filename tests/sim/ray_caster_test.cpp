@@ -14,8 +14,8 @@ using Eigen::Vector2d;
 
 TEST(RayCaster, AgreesWithLookingAtEverySurface) {
   Random random(7);
-  for (const WorldKind kind : {WorldKind::kRoom, WorldKind::kOffice, WorldKind::kCorridor, WorldKind::kFlat, WorldKind::kHall,
-                               WorldKind::kEmptyRoom, WorldKind::kBareCorridor}) {
+  for (const WorldKind kind : {WorldKind::kRoom, WorldKind::kOffice, WorldKind::kCorridor, WorldKind::kFlat,
+                               WorldKind::kHall, WorldKind::kEmptyRoom, WorldKind::kBareCorridor}) {
     const World world = make_world(kind, random.bits());
     const RayCaster caster(world.shape);
     for (int i = 0; i < 1500; ++i) {
@@ -24,7 +24,8 @@ TEST(RayCaster, AgreesWithLookingAtEverySurface) {
       const double angle = i % 3 ? random.uniform(-kPi, kPi) : 0.5 * kPi * static_cast<double>(random.below(4));
       const Vector2d direction(std::cos(angle), std::sin(angle));
       const double far = random.uniform(0.5, 30.0), near = i % 5 ? 0.0 : random.uniform(0.0, 3.0);
-      const RayHit expected = cast_all(world.shape, origin, direction, far, near), hit = caster.cast(origin, direction, far, near);
+      const RayHit expected = cast_all(world.shape, origin, direction, far, near),
+                   hit = caster.cast(origin, direction, far, near);
       ASSERT_EQ(hit.found(), expected.found()) << world.name << " " << origin.transpose() << " " << angle;
       if (!hit.found()) continue;
       EXPECT_EQ(hit.range, expected.range) << world.name;

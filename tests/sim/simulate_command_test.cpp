@@ -40,8 +40,11 @@ class SimulateCommand : public ::testing::Test {
 };
 
 TEST_F(SimulateCommand, MakesALogWithItsTruth) {
-  ASSERT_EQ(run("--world flat --sensor ld06 --duration 4 --odometry --people 1 --seed 3 --out " + path("a.jsonl.gz")), 0) << said_;
-  ASSERT_EQ(run("--world flat --sensor ld06 --duration 4 --odometry --people 1 --seed 3 --out " + path("b.jsonl.gz")), 0);
+  ASSERT_EQ(run("--world flat --sensor ld06 --duration 4 --odometry --people 1 --seed 3 --out " + path("a.jsonl.gz")),
+            0)
+      << said_;
+  ASSERT_EQ(run("--world flat --sensor ld06 --duration 4 --odometry --people 1 --seed 3 --out " + path("b.jsonl.gz")),
+            0);
   EXPECT_EQ(read_file(path("a.jsonl.gz")), read_file(path("b.jsonl.gz")));
   const auto truth = read_tum(path("a.jsonl.gz.truth.tum"));
   ASSERT_EQ(truth.size(), 40U);
@@ -77,7 +80,9 @@ TEST_F(SimulateCommand, MakesTheSamePairsWithAnyNumberOfThreads) {
 TEST_F(SimulateCommand, TakesWorldsAndPathsFromFiles) {
   write_file(path("den.yaml"), "walls:\n  - {points: [[0, 0], [4, 0], [4, 3], [0, 3], [0, 0]]}\n");
   write_file(path("way.yaml"), "points: [[1, 1], [3, 1], [3, 2]]\n");
-  ASSERT_EQ(run("--world " + path("den.yaml") + " --path " + path("way.yaml") + " --speed 0.5 --out " + path("a.jsonl")), 0) << said_;
+  ASSERT_EQ(
+      run("--world " + path("den.yaml") + " --path " + path("way.yaml") + " --speed 0.5 --out " + path("a.jsonl")), 0)
+      << said_;
   const auto truth = read_tum(path("a.jsonl.truth.tum"));
   EXPECT_NEAR(truth.front().pose.x, 1.0, 1e-6);
   EXPECT_NEAR(truth.back().pose.y, 2.0, 0.15);
@@ -87,9 +92,10 @@ TEST_F(SimulateCommand, TakesWorldsAndPathsFromFiles) {
 
 TEST_F(SimulateCommand, MistakesAreOneLineAndLeaveNothing) {
   for (const std::string& flags : std::vector<std::string>{
-           "--world cave", "--sensor gun", "--path maze", "--speed 0", "--speed -1", "--duration 1e9", "--pairs 0", "--pairs 2 --path tour",
-           "--pairs 2 --config no-such.yaml", "--pairs 2 --world room --config bench-sim", "--classes small", "--config bench-sim",
-           "--pairs 2 --world room --classes huge", "--world room --path circle --speed 5 --turn-rate 1"}) {
+           "--world cave", "--sensor gun", "--path maze", "--speed 0", "--speed -1", "--duration 1e9", "--pairs 0",
+           "--pairs 2 --path tour", "--pairs 2 --config no-such.yaml", "--pairs 2 --world room --config bench-sim",
+           "--classes small", "--config bench-sim", "--pairs 2 --world room --classes huge",
+           "--world room --path circle --speed 5 --turn-rate 1"}) {
     EXPECT_EQ(run(flags + " --out " + path("x")), 2) << flags;
     EXPECT_THAT(said_, ::testing::MatchesRegex("phasescan: [^\n]+\n")) << flags;
     EXPECT_FALSE(fs::exists(path("x"))) << flags;

@@ -28,10 +28,11 @@ LidarOptions plain_lidar() {
   return lidar;
 }
 
-/// Maximum-likelihood pose between two scans of a rectangular room: pose and all four wall lines are unknown, which point lies
-/// on which wall is known. Lines as (direction of the normal, distance) in the reference frame. Gauss-Newton from the truth.
-Pose2 best_estimate(const Scan& reference, const Scan& scan, const LidarOptions& lidar, const Pose2& T_world_ref, const Pose2& truth,
-                    double width, double height) {
+/// Maximum-likelihood pose between two scans of a rectangular room: pose and all four wall lines are unknown, which
+/// point lies on which wall is known. Lines as (direction of the normal, distance) in the reference frame. Gauss-Newton
+/// from the truth.
+Pose2 best_estimate(const Scan& reference, const Scan& scan, const LidarOptions& lidar, const Pose2& T_world_ref,
+                    const Pose2& truth, double width, double height) {
   const Vector2d normals[4] = {{0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}, {1.0, 0.0}};
   const double offsets[4] = {0.0, -width, -height, 0.0};
   Eigen::Matrix<double, 11, 1> x;
@@ -96,8 +97,8 @@ TEST(Information, IsWhatTheBestEstimatorReaches) {
     sum += e.dot(information * e) / 3.0;
     covariance += e * e.transpose() / kTrials;
   }
-  // 500 trials of 3 numbers: 3.7 % standard error. Straight walls help the estimator a little where the two scans' points lie
-  // differently dense along a wall, so it may do better than a bound that lets the surface be any shape.
+  // 500 trials of 3 numbers: 3.7 % standard error. Straight walls help the estimator a little where the two scans'
+  // points lie differently dense along a wall, so it may do better than a bound that lets the surface be any shape.
   EXPECT_GT(sum / kTrials, 0.8);
   EXPECT_LT(sum / kTrials, 1.12);
   const Matrix3d bound = information.inverse();
@@ -119,7 +120,8 @@ TEST(Information, DoesNotChangeWithTheFrameOfTheWorld) {
   moved.append(rectangle(4.0, 3.0), T_new_old);
   const RayCaster a(rectangle(4.0, 3.0)), b(moved);
   const Matrix3d first = pair_information({&a, nullptr}, {&a, nullptr}, plain_lidar(), ref, scan);
-  const Matrix3d second = pair_information({&b, nullptr}, {&b, nullptr}, plain_lidar(), T_new_old * ref, T_new_old * scan);
+  const Matrix3d second =
+      pair_information({&b, nullptr}, {&b, nullptr}, plain_lidar(), T_new_old * ref, T_new_old * scan);
   EXPECT_LT((first - second).norm(), 1e-3 * first.norm());
 }
 

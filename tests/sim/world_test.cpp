@@ -30,7 +30,8 @@ TEST(Worlds, AreTheSameForTheSameSeedAndOthersForOthers) {
 TEST(Worlds, HaveWallsAllAround) {
   // From inside a room no ray leaves the building but through a glass door.
   Random random(3);
-  for (const WorldKind kind : {WorldKind::kRoom, WorldKind::kOffice, WorldKind::kCorridor, WorldKind::kFlat, WorldKind::kBuilding}) {
+  for (const WorldKind kind :
+       {WorldKind::kRoom, WorldKind::kOffice, WorldKind::kCorridor, WorldKind::kFlat, WorldKind::kBuilding}) {
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
       const World world = make_world(kind, seed);
       const RayCaster caster(world.shape);
@@ -84,7 +85,8 @@ TEST(Furniture, FitsItsFootprintAndFootprintsTellOverlap) {
 TEST(WorldFile, IsReadAndItsMistakesNameTheLine) {
   const World world = parse_world(
       "name: den\nwalls:\n  - {points: [[0, 0], [4, 0], [4, 3], [0, 3], [0, 0]]}\n"
-      "  - {points: [[1, 1], [2, 1], [2, 2]], closed: true, material: black}\ndiscs:\n  - {center: [3, 2], radius: 0.2}\n",
+      "  - {points: [[1, 1], [2, 1], [2, 2]], closed: true, material: black}\ndiscs:\n  - {center: [3, 2], radius: "
+      "0.2}\n",
       "den.yaml");
   EXPECT_EQ(world.name, "den");
   EXPECT_EQ(world.shape.segments.size(), 7U);
@@ -102,7 +104,8 @@ TEST(WorldFile, IsReadAndItsMistakesNameTheLine) {
   };
   EXPECT_THAT(message("walls:\n  - {points: [[0, 0], [a, 1]]}\n"), HasSubstr("w.yaml:2: expected a point"));
   EXPECT_THAT(message("walls:\n  - {points: [[0, 0]]}\n"), HasSubstr("w.yaml:2: expected 2 or more points"));
-  EXPECT_THAT(message("walls:\n  - {points: [[0, 0], [1, 1]], colour: red}\n"), HasSubstr("w.yaml:2: unknown key 'colour'"));
+  EXPECT_THAT(message("walls:\n  - {points: [[0, 0], [1, 1]], colour: red}\n"),
+              HasSubstr("w.yaml:2: unknown key 'colour'"));
   EXPECT_THAT(message("walls:\n  - {closed: true}\n"), HasSubstr("w.yaml:2: points: missing"));
   EXPECT_THAT(message("walls:\n  - {points: [[0, 0], [1, .nan]]}\n"), HasSubstr("expected a point"));
   EXPECT_THAT(message("discs:\n  - {center: [0, 0], radius: -1}\n"), HasSubstr("w.yaml:2: radius"));
@@ -127,7 +130,8 @@ TEST(Places, AreApartAndEachHasAQueryInSight) {
     EXPECT_EQ(places[i].T_world_query.theta, again[i].T_world_query.theta);
     EXPECT_LE(translation_distance(places[i].T_world_place, places[i].T_world_query), options.reach_m);
     EXPECT_EQ(places[i].scan.size(), 360U);
-    for (std::size_t k = 0; k < i; ++k) EXPECT_GE(translation_distance(places[i].T_world_place, places[k].T_world_place), options.apart_m);
+    for (std::size_t k = 0; k < i; ++k)
+      EXPECT_GE(translation_distance(places[i].T_world_place, places[k].T_world_place), options.apart_m);
   }
 }
 

@@ -26,17 +26,19 @@ struct DriveOptions {
     v("people", self.people, OptionInfo{"", "people walking about", 0, 1000});
     v("people_speed_mps", self.people_speed_mps, OptionInfo{"m/s", "how fast they walk", 0.05, 5});
     v("odometry", self.odometry, OptionInfo{"", "wheel odometry in the log"});
-    v("odometry_scale", self.odometry_scale, OptionInfo{"", "constant error of distance and of turn, standard deviation", 0, 0.5});
+    v("odometry_scale", self.odometry_scale,
+      OptionInfo{"", "constant error of distance and of turn, standard deviation", 0, 0.5});
     v("odometry_noise", self.odometry_noise, OptionInfo{"", "random error of each step, share of the step", 0, 1});
-    v("odometry_slip_per_min", self.odometry_slip_per_min, OptionInfo{"1/min", "wheels that spin or block for 0.5 s while driving", 0, 60});
+    v("odometry_slip_per_min", self.odometry_slip_per_min,
+      OptionInfo{"1/min", "wheels that spin or block for 0.5 s while driving", 0, 60});
   }
 };
 
 /// One scan of a drive.
 struct DriveScan {
-  LogEntry entry;   ///< odometry included where it is asked for; the laser sits at the base
+  LogEntry entry;       ///< odometry included where it is asked for; the laser sits at the base
   Pose2 T_world_laser;  ///< at the scan's stamp
-  Twist2 twist;     ///< then, in the laser's frame
+  Twist2 twist;         ///< then, in the laser's frame
 };
 
 /// Scans of a drive one by one, in bounded memory. The same for the same world, options and seed.

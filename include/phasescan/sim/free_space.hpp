@@ -19,7 +19,8 @@ class FreeSpace {
   /// Distance to the nearest surface [m], to about a cell; 0 outside the grid.
   double clearance(const Eigen::Vector2d& p) const;
 
-  /// Shortest-path distances [m] from one point to all cells with at least `clearance_m`; infinity where none leads there.
+  /// Shortest-path distances [m] from one point to all cells with at least `clearance_m`; infinity where none leads
+  /// there.
   class Distances {
    public:
     double at(const Eigen::Vector2d& p) const;
@@ -32,9 +33,10 @@ class FreeSpace {
   };
   Distances distances_from(const Eigen::Vector2d& start, double clearance_m) const;
 
-  /// The way from the distances' start to a goal as a polyline whose legs all keep the clearance; none if no way leads there.
-  /// Legs are pulled straight; the middle of passages is preferred over their walls.
-  std::optional<std::vector<Eigen::Vector2d>> way(const Distances& from, const Eigen::Vector2d& goal, double clearance_m) const;
+  /// The way from the distances' start to a goal as a polyline whose legs all keep the clearance; none if no way leads
+  /// there. Legs are pulled straight; the middle of passages is preferred over their walls.
+  std::optional<std::vector<Eigen::Vector2d>> way(const Distances& from, const Eigen::Vector2d& goal,
+                                                  double clearance_m) const;
 
  private:
   int index(const Eigen::Vector2d& p) const;

@@ -36,8 +36,10 @@ struct LidarOptions {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("beams", self.beams, OptionInfo{"", "beams a scan", 1, 1e6});
-    v("fov_deg", self.fov_deg, OptionInfo{"deg", "field of view; 360: the last beam is one step before the first", 0.001, 360});
-    v("angle_min_deg", self.angle_min_deg, OptionInfo{"deg", "direction of the first beam, counter-clockwise from ahead", -360, 360});
+    v("fov_deg", self.fov_deg,
+      OptionInfo{"deg", "field of view; 360: the last beam is one step before the first", 0.001, 360});
+    v("angle_min_deg", self.angle_min_deg,
+      OptionInfo{"deg", "direction of the first beam, counter-clockwise from ahead", -360, 360});
     v("clockwise", self.clockwise, OptionInfo{"", "turns clockwise: a negative angle_increment"});
     v("range_min_m", self.range_min_m, OptionInfo{"m", "nearer surfaces give nothing", 0, 1000});
     v("range_max_m", self.range_max_m, OptionInfo{"m", "farther surfaces give nothing", 0.01, 1000});
@@ -46,10 +48,13 @@ struct LidarOptions {
     v("resolution_m", self.resolution_m, OptionInfo{"m", "ranges are rounded to this; 0 = not", 0, 1});
     v("dropout", self.dropout, OptionInfo{"", "share of the beams lost for no reason", 0, 1});
     v("beam_width_deg", self.beam_width_deg, OptionInfo{"deg", "full width of a beam, where edges mix", 0, 10});
-    v("mixed_pixels", self.mixed_pixels, OptionInfo{"", "share of the beams on an edge that say something in between", 0, 1});
-    v("grazing_deg", self.grazing_deg, OptionInfo{"deg", "from this incidence on hits are missed, at 90 deg all", 0, 90});
+    v("mixed_pixels", self.mixed_pixels,
+      OptionInfo{"", "share of the beams on an edge that say something in between", 0, 1});
+    v("grazing_deg", self.grazing_deg,
+      OptionInfo{"deg", "from this incidence on hits are missed, at 90 deg all", 0, 90});
     v("black_range", self.black_range, OptionInfo{"", "share of range_max up to which black surfaces answer", 0, 1});
-    v("glass_deg", self.glass_deg, OptionInfo{"deg", "glass answers up to this incidence, else the beam goes through", 0, 90});
+    v("glass_deg", self.glass_deg,
+      OptionInfo{"deg", "glass answers up to this incidence, else the beam goes through", 0, 90});
     v("rate_hz", self.rate_hz, OptionInfo{"Hz", "scans a second", 0.01, 1000});
     v("motion", self.motion, OptionInfo{"", "each beam is cast at its own time; off: all at the scan's stamp"});
   }
@@ -66,7 +71,8 @@ struct Surroundings {
   const RayCaster* fixed = nullptr;
   const Shape* loose = nullptr;  ///< may be null: people, moved objects
 
-  RayHit cast(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction, double max_range, double min_range = 0.0) const;
+  RayHit cast(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction, double max_range,
+              double min_range = 0.0) const;
 };
 
 /// The surface that answers a beam, glass and black surfaces considered; not found = nothing answers within range_max.
@@ -79,7 +85,7 @@ Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar, const 
 /// One scan in motion: beam i is cast from T_world_laser(i * time_increment) where lidar.motion is on, else from
 /// T_world_laser(0). `around` holds throughout.
 /// @param stamp_s  time of the first beam [s]
-Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar, const std::function<Pose2(double)>& T_world_laser,
-                   double stamp_s, Random& random);
+Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar,
+                   const std::function<Pose2(double)>& T_world_laser, double stamp_s, Random& random);
 
 }  // namespace phasescan::sim

@@ -13,7 +13,8 @@ namespace phasescan::sim {
 /// @throws InputError with the line: not YAML, an unknown key, a value of the wrong kind or out of bounds.
 PairsSpec parse_pairs_spec(const std::string& text, const std::string& name);
 
-/// The benchmark in a file, or the built-in one of that name ("bench-sim.yaml" or "bench-sim") where no such file is there.
+/// The benchmark in a file, or the built-in one of that name ("bench-sim.yaml" or "bench-sim") where no such file is
+/// there.
 /// @throws InputError, SystemError (not readable)
 PairsSpec read_pairs_spec(const std::string& path_or_name);
 

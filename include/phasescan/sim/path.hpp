@@ -1,4 +1,5 @@
-/// How the sensor moves: tours, circles, back and forth, given polylines, with limits on speed and acceleration and with jitter.
+/// How the sensor moves: tours, circles, back and forth, given polylines, with limits on speed and acceleration and
+/// with jitter.
 #pragma once
 
 #include <Eigen/Core>
@@ -48,7 +49,8 @@ struct PathOptions {
     v("acceleration_mps2", self.acceleration_mps2, OptionInfo{"m/s^2", "linear, at most", 0.01, 100});
     v("turn_acceleration_dps2", self.turn_acceleration_dps2, OptionInfo{"deg/s^2", "angular, at most", 1, 100000});
     v("clearance_m", self.clearance_m, OptionInfo{"m", "of the planned way to every surface", 0.05, 10});
-    v("duration_s", self.duration_s, OptionInfo{"s", "0: one round (tour), else 60 s; longer tours go round again by another way", 0, 2e5});
+    v("duration_s", self.duration_s,
+      OptionInfo{"s", "0: one round (tour), else 60 s; longer tours go round again by another way", 0, 2e5});
     v("jitter_m", self.jitter_m, OptionInfo{"m", "vibration, standard deviation a axis", 0, 1});
     v("jitter_deg", self.jitter_deg, OptionInfo{"deg", "vibration of the heading, standard deviation", 0, 90});
   }

@@ -22,13 +22,14 @@ struct Place {
 
 struct PlacesOptions {
   WorldKind world = WorldKind::kFlat;
-  double apart_m = 1.0;      ///< no two places of a building are nearer
-  double reach_m = 1.0;      ///< a query is no farther from its place
+  double apart_m = 1.0;  ///< no two places of a building are nearer
+  double reach_m = 1.0;  ///< a query is no farther from its place
   double clearance_m = 0.25;
 };
 
-/// All places of building k: the same for the same seed, whatever else was made. Concatenate buildings 0, 1, .. until there are
-/// enough; a flat gives about 30.
-std::vector<Place> make_places(const PlacesOptions& options, const LidarOptions& lidar, std::uint64_t seed, std::uint64_t building);
+/// All places of building k: the same for the same seed, whatever else was made. Concatenate buildings 0, 1, .. until
+/// there are enough; a flat gives about 30.
+std::vector<Place> make_places(const PlacesOptions& options, const LidarOptions& lidar, std::uint64_t seed,
+                               std::uint64_t building);
 
 }  // namespace phasescan::sim

@@ -34,7 +34,8 @@ class RayCaster {
   explicit RayCaster(const Shape& shape);
 
   /// See cast_all. @cost about the number of grid cells along the ray.
-  RayHit cast(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction, double max_range, double min_range = 0.0) const;
+  RayHit cast(const Eigen::Vector2d& origin, const Eigen::Vector2d& direction, double max_range,
+              double min_range = 0.0) const;
 
   /// True where nothing opaque or transparent lies between two points.
   bool line_of_sight(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;

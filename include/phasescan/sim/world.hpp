@@ -1,4 +1,5 @@
-/// Simulated worlds: line segments and discs with materials, the rooms a sensor may stand in and the doorways between them.
+/// Simulated worlds: line segments and discs with materials, the rooms a sensor may stand in and the doorways between
+/// them.
 #pragma once
 
 #include <Eigen/Core>
