@@ -1,34 +1,57 @@
 #include "phasescan/match/confidence.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 namespace phasescan {
 namespace {
 
-constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{-1.0, 6.0, 1.0, 1.2, -1.0, 0.0, 0.0, 0.0};
+constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{1.795, -1.445, 1.230, 0.398, -1.454, -0.509, -4.288, -1.339, 1.460, 5.723, 4.165, 11.406, 1.456};
+
+constexpr double kMostVariance = 1e6;
+constexpr double kSlides_m = 0.05;  // less certain than this along some direction: a corridor, where the pose may slide
 
 }  // namespace
+
+double weakest_sigma(const Eigen::Matrix3d& information) {
+  const Eigen::Vector2d coupling = information.topRightCorner<2, 1>();
+  const Eigen::Matrix2d marginal = information.topLeftCorner<2, 2>() - coupling * coupling.transpose() / std::max(information(2, 2), 1e-9);
+  const double trace = marginal.trace();
+  const double det = marginal(0, 0) * marginal(1, 1) - marginal(0, 1) * marginal(1, 0);
+  const double weak = 0.5 * (trace - std::sqrt(std::max(trace * trace - 4.0 * det, 0.0)));
+  return 1.0 / std::sqrt(std::max(weak, 1.0 / kMostVariance));
+}
+
+bool is_ambiguous(const SearchOutcome& outcome) {
+  return outcome.margin < 0.05 || outcome.profile < 0.01 || weakest_sigma(outcome.refined.information) > kSlides_m;
+}
+
+Eigen::Matrix3d covariance_of(const SearchOutcome& outcome) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(outcome.refined.information);
+  const Eigen::Vector3d variances = (2.0 * eigen.eigenvalues().cwiseMax(1.0 / kMostVariance).cwiseInverse()).cwiseMin(kMostVariance);
+  return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+}
 
 ConfidenceFeatures confidence_features(const PreparedScan& reference, const PreparedScan& scan, const SearchOutcome& outcome) {
   ConfidenceFeatures f;
   if (outcome.hypotheses.empty()) return f;
   const auto log_of = [](double value) { return std::log(std::clamp(value, 1e-3, 1.0)) + 3.0; };
-  const Eigen::Matrix2d information = outcome.refined.information.topLeftCorner<2, 2>();
-  const double trace = information.trace(), det = information.determinant();
-  const double weak = 0.5 * (trace - std::sqrt(std::max(trace * trace - 4.0 * det, 0.0)));
-  const double strong = std::max(trace - weak, 1e-9);
   const Evidence& e = outcome.evidence;
   const double hits = std::max(e.hits, 1);
   f.value[0] = 1.0;
   f.value[1] = outcome.hypotheses.front().score;
   f.value[2] = log_of(outcome.margin);
   f.value[3] = log_of(outcome.profile);
-  f.value[4] = std::log10(std::clamp(1.0 / std::sqrt(std::max(weak, 1e-6)), 1e-3, 1.0)) + 2.0;
-  f.value[5] = std::log10(std::clamp(weak / strong, 1e-4, 1.0));
-  f.value[6] = (e.violation + e.empty) / hits;
+  f.value[4] = std::log10(std::clamp(weakest_sigma(outcome.refined.information), 1e-3, 1.0)) + 2.0;
+  f.value[5] = std::log(std::clamp(static_cast<double>(outcome.refined.partners), 10.0, 400.0) / 100.0);
+  f.value[6] = e.violation / hits;
   f.value[7] = e.matched / hits;
+  f.value[8] = e.occluded / hits;
+  f.value[9] = e.empty / hits;
+  f.value[10] = e.stray / hits;
+  f.value[11] = std::min(f.value[1], 0.2);
+  f.value[12] = std::log((e.matched + 0.5) / (e.matched + e.violation + e.stray + e.empty + e.occluded + 1.0));
   static_cast<void>(reference);
   static_cast<void>(scan);
   return f;

@@ -1,89 +1,153 @@
 #include "phasescan/match/evidence.hpp"
 
-#include <algorithm>
-#include <cmath>
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "match/evidence.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
-#include "phasescan/core/fast_math.hpp"
+#include "refine/nearest-inl.hpp"
 
 namespace phasescan {
+#ifndef PHASESCAN_EVIDENCE_TASK
+#define PHASESCAN_EVIDENCE_TASK
+// One call of the kernel. Sums: matched, violation, occluded, empty, stray, silent.
+struct EvidenceTask {
+  NearestGrid::View grid;
+  const float *points, *point_sigma;
+  int last;
+  const float *near_range, *far_range, *empty_to;
+  int bins;
+  float noise_floor, noise_per_metre;
+  const SurfaceBatch* hits;
+  float c, s, tx, ty, slack;
+  float sums[6];
+};
+#endif
+}  // namespace phasescan
+
+HWY_BEFORE_NAMESPACE();
+namespace phasescan {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// As direction_turns of core/fast_math.hpp, for a vector.
+template <class DF, class V = hn::Vec<DF>>
+HWY_INLINE V DirectionTurns(DF df, V x, V y) {
+  const V ax = hn::Abs(x), ay = hn::Abs(y), zero = hn::Zero(df), one = hn::Set(df, 1.0F);
+  const V big = hn::Max(ax, ay), small = hn::Min(ax, ay);
+  const V t = hn::Div(small, hn::Max(big, hn::Set(df, 1e-20F)));
+  const V s = hn::Mul(t, t);
+  V p = hn::Add(hn::Set(df, -0.0135493F), hn::Mul(s, hn::Set(df, 0.0033160F)));
+  p = hn::Add(hn::Set(df, 0.0286703F), hn::Mul(s, p));
+  p = hn::Add(hn::Set(df, -0.0525688F), hn::Mul(s, p));
+  V turns = hn::Mul(t, hn::Add(hn::Set(df, 0.1591336F), hn::Mul(s, p)));
+  turns = hn::IfThenElse(hn::Gt(ay, ax), hn::Sub(hn::Set(df, 0.25F), turns), turns);
+  turns = hn::IfThenElse(hn::Lt(x, zero), hn::Sub(hn::Set(df, 0.5F), turns), turns);
+  turns = hn::IfThenElse(hn::Lt(y, zero), hn::Sub(one, turns), turns);
+  return hn::IfThenElse(hn::Ge(turns, one), zero, turns);
+}
+
+void SumEvidence(EvidenceTask& task) {
+  const hn::CappedTag<float, SurfaceBatch::kPadding> df;
+  using V = hn::Vec<decltype(df)>;
+  const hn::RebindToSigned<decltype(df)> di;
+  const SurfaceBatch& hits = *task.hits;
+  const V c = hn::Set(df, task.c), s = hn::Set(df, task.s), tx = hn::Set(df, task.tx), ty = hn::Set(df, task.ty);
+  const V slack = hn::Set(df, task.slack), slack2 = hn::Set(df, task.slack * task.slack);
+  const V zero = hn::Zero(df), one = hn::Set(df, 1.0F), half = hn::Set(df, 0.5F);
+  V matched = zero, violation = zero, occluded = zero, empty = zero, stray = zero, silent = zero;
+  for (std::size_t k = 0; k < hits.padded(); k += hn::Lanes(df)) {
+    const V px = hn::LoadU(df, hits.x.data() + k), py = hn::LoadU(df, hits.y.data() + k);
+    const V qx = hn::Add(hn::Sub(hn::Mul(c, px), hn::Mul(s, py)), tx), qy = hn::Add(hn::Add(hn::Mul(s, px), hn::Mul(c, py)), ty);
+    const V sigma = hn::LoadU(df, hits.sigma.data() + k), weight = hn::LoadU(df, hits.weight.data() + k);
+    V match = zero;
+    hn::Mask<decltype(df)> found;
+    V distance2;
+    const auto index = FindNearest(df, task.grid, task.points, task.last, qx, qy, found, distance2);
+    if (!hn::AllFalse(df, found)) {
+      const V mx = hn::LoadU(df, hits.nx.data() + k), my = hn::LoadU(df, hits.ny.data() + k);
+      const V ax = hn::Sub(hn::Mul(c, mx), hn::Mul(s, my)), ay = hn::Add(hn::Mul(s, mx), hn::Mul(c, my));
+      const V nx = GatherField(df, task.points, index, kNx), ny = GatherField(df, task.points, index, kNy);
+      const auto both = hn::And(hn::Gt(hn::Add(hn::Abs(mx), hn::Abs(my)), zero), hn::Gt(hn::Add(hn::Abs(nx), hn::Abs(ny)), zero));
+      const V cosine = hn::Add(hn::Mul(nx, ax), hn::Mul(ny, ay));
+      const V facing = hn::Min(hn::Max(hn::Mul(hn::Sub(cosine, hn::Set(df, 0.4F)), hn::Set(df, 2.0F)), zero), one);
+      const V agree = hn::IfThenElse(both, facing, hn::Set(df, 0.6F));
+      const V dx = hn::Sub(qx, GatherField(df, task.points, index, kLineX)), dy = hn::Sub(qy, GatherField(df, task.points, index, kLineY));
+      const V d = hn::Add(hn::Mul(dx, nx), hn::Mul(dy, ny));
+      const V reach = hn::Mul(half, hn::Add(GatherField(df, task.points, index, kLength), hn::LoadU(df, hits.length.data() + k)));
+      const V along = hn::Max(zero, hn::Sub(hn::Abs(hn::Sub(hn::Mul(dy, nx), hn::Mul(dx, ny))), reach));
+      const V across = hn::IfThenElse(both, hn::Add(hn::Mul(d, d), hn::Mul(along, along)), distance2);
+      const V other_sigma = hn::GatherIndex(df, task.point_sigma, index);
+      const V noise = hn::Add(hn::Add(hn::Mul(sigma, sigma), hn::Mul(other_sigma, other_sigma)), slack2);
+      const V near = hn::Max(zero, hn::Sub(one, hn::Div(across, hn::Mul(hn::Set(df, 9.0F), noise))));
+      match = hn::IfThenElseZero(found, hn::Mul(agree, near));
+    }
+    const V rest = hn::Mul(weight, hn::Sub(one, match));
+    matched = hn::Add(matched, hn::Mul(weight, match));
+    const V r = hn::Sqrt(hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy)));
+    const V turns = DirectionTurns(df, qx, qy);
+    const auto bin = hn::Min(hn::ConvertTo(di, hn::Mul(turns, hn::Set(df, static_cast<float>(task.bins)))), hn::Set(di, task.bins - 1));
+    const V ref_sigma = hn::Max(hn::Set(df, task.noise_floor), hn::Mul(hn::Set(df, task.noise_per_metre), r));
+    const V margin = hn::Add(hn::Mul(hn::Set(df, 3.0F), hn::Max(sigma, ref_sigma)), slack);
+    const V low = hn::GatherIndex(df, task.near_range, bin), high = hn::GatherIndex(df, task.far_range, bin);
+    const V reach = hn::GatherIndex(df, task.empty_to, bin);
+    const auto near_enough = hn::Ge(match, hn::Set(df, 0.8F));
+    const auto seen = hn::Gt(high, zero);
+    const auto before = hn::And(hn::Lt(r, hn::Sub(low, margin)), seen), behind = hn::And(hn::Gt(r, hn::Add(high, margin)), seen);
+    const auto is_violation = hn::AndNot(near_enough, before), is_occluded = hn::AndNot(near_enough, behind);
+    const auto is_empty = hn::AndNot(hn::Or(near_enough, seen), hn::Lt(r, reach)), is_silent = hn::AndNot(hn::Or(near_enough, seen), hn::Ge(r, reach));
+    const V violating = hn::IfThenElseZero(is_violation, rest), occluding = hn::IfThenElseZero(is_occluded, rest);
+    const V emptying = hn::IfThenElseZero(is_empty, rest), silencing = hn::IfThenElseZero(is_silent, rest);
+    violation = hn::Add(violation, violating);
+    occluded = hn::Add(occluded, occluding);
+    empty = hn::Add(empty, emptying);
+    silent = hn::Add(silent, silencing);
+    stray = hn::Add(stray, hn::Sub(hn::Sub(rest, hn::Add(violating, occluding)), hn::Add(emptying, silencing)));
+  }
+  const V all[] = {matched, violation, occluded, empty, stray, silent};
+  for (int k = 0; k < 6; ++k) task.sums[k] = hn::GetLane(hn::SumOfLanes(df, all[k]));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace phasescan
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <cmath>
+
+namespace phasescan {
+HWY_EXPORT(SumEvidence);
+
 namespace {
 
-// Adds what `other` says of `hits` of `mine`, seen at T_other_mine.
-void weigh_one_way(const PreparedScan& other, const SurfacePoints& mine, std::span<const int> hits, const Pose2& T_other_mine,
-                   float slack, Evidence& sum) {
-  const auto c = static_cast<float>(std::cos(T_other_mine.theta)), s = static_cast<float>(std::sin(T_other_mine.theta));
-  const auto tx = static_cast<float>(T_other_mine.x), ty = static_cast<float>(T_other_mine.y);
-  const SurfacePoints& ref = other.surface;
-  const BearingTable& table = other.bearings;
-  const auto bins = static_cast<float>(table.size());
-  const auto last_bin = table.size() - 1;
-  const int last = static_cast<int>(ref.size()) - 1;
-  float matched = 0, violation = 0, occluded = 0, empty = 0, stray = 0, silent = 0;
-  for (const int hit : hits) {
-    const SurfacePoint& from = mine[static_cast<std::size_t>(hit)];
-    const float sigma = mine.sigma[static_cast<std::size_t>(hit)];
-    const float qx = c * from.x - s * from.y + tx, qy = s * from.x + c * from.y + ty;
-    float match = 0.0F;
-    const int near = other.nearest.nearest(qx, qy);
-    if (near >= 0) {
-      float best = 1e30F;
-      int index = near;
-      for (int k = std::max(near - 2, 0); k <= std::min(near + 2, last); ++k) {
-        const float dx = qx - ref[static_cast<std::size_t>(k)].x, dy = qy - ref[static_cast<std::size_t>(k)].y;
-        const float d = dx * dx + dy * dy;
-        if (d < best) {
-          best = d;
-          index = k;
-        }
-      }
-      const SurfacePoint& to = ref[static_cast<std::size_t>(index)];
-      float across = best, agree = 0.6F;
-      if (from.has_normal() && to.has_normal()) {
-        const float nx = c * from.nx - s * from.ny, ny = s * from.nx + c * from.ny;
-        agree = std::clamp((nx * to.nx + ny * to.ny - 0.4F) * 2.0F, 0.0F, 1.0F);
-        const float dx = qx - to.line_x, dy = qy - to.line_y;
-        const float d = dx * to.nx + dy * to.ny;
-        const float along = std::max(0.0F, std::fabs(dy * to.nx - dx * to.ny) - 0.5F * (to.length + from.length));
-        across = d * d + along * along;
-      }
-      const float other_sigma = ref.sigma[static_cast<std::size_t>(index)];
-      const float noise = sigma * sigma + other_sigma * other_sigma + slack * slack;
-      match = agree * std::max(0.0F, 1.0F - across / (9.0F * noise));
-    }
-    matched += match;
-    const float rest = 1.0F - match;
-    if (rest < 0.2F) {
-      stray += rest;
-      continue;
-    }
-    const float r = std::sqrt(qx * qx + qy * qy);
-    const auto bin = std::min(static_cast<std::size_t>(direction_turns(qx, qy) * bins), last_bin);
-    const float margin = 3.0F * std::max(sigma, ref.noise.sigma(r)) + slack;
-    const float low = table.near_range[bin], high = table.far_range[bin], reach = table.empty_to[bin];
-    if (high > 0.0F) {
-      (r < low - margin ? violation : r > high + margin ? occluded : stray) += rest;
-    } else {
-      (r < reach ? empty : silent) += rest;
-    }
-  }
-  sum.matched += static_cast<double>(matched);
-  sum.violation += static_cast<double>(violation);
-  sum.occluded += static_cast<double>(occluded);
-  sum.empty += static_cast<double>(empty);
-  sum.stray += static_cast<double>(stray);
-  sum.silent += static_cast<double>(silent);
-  sum.hits += static_cast<int>(hits.size());
+// Adds what `other` says of `hits`, seen at T_other_hits.
+void weigh_one_way(const PreparedScan& other, const SurfaceBatch& hits, const Pose2& T_other_hits, double slack_m, Evidence& sum) {
+  if (other.size() == 0 || hits.count == 0) return;
+  const SurfacePoints& surface = other.surface;
+  EvidenceTask task{other.nearest.view(), &surface.points.front().x, surface.sigma.data(), static_cast<int>(surface.size()) - 1,
+                    other.bearings.near_range.data(), other.bearings.far_range.data(), other.bearings.empty_to.data(),
+                    static_cast<int>(other.bearings.size()), surface.noise.floor_m, surface.noise.per_metre, &hits,
+                    static_cast<float>(std::cos(T_other_hits.theta)), static_cast<float>(std::sin(T_other_hits.theta)),
+                    static_cast<float>(T_other_hits.x), static_cast<float>(T_other_hits.y), static_cast<float>(slack_m), {}};
+  HWY_DYNAMIC_DISPATCH(SumEvidence)(task);
+  sum.matched += static_cast<double>(task.sums[0]);
+  sum.violation += static_cast<double>(task.sums[1]);
+  sum.occluded += static_cast<double>(task.sums[2]);
+  sum.empty += static_cast<double>(task.sums[3]);
+  sum.stray += static_cast<double>(task.sums[4]);
+  sum.silent += static_cast<double>(task.sums[5]);
+  sum.hits += static_cast<int>(hits.count);
 }
 
 }  // namespace
 
-Evidence weigh_evidence(const PreparedScan& reference, const PreparedScan& scan, std::span<const int> reference_hits,
-                        std::span<const int> scan_hits, const Pose2& T_ref_scan, double slack_m) {
+Evidence weigh_evidence(const PreparedScan& reference, const PreparedScan& scan, const SurfaceBatch& reference_hits,
+                        const SurfaceBatch& scan_hits, const Pose2& T_ref_scan, double slack_m) {
   Evidence sum;
-  const auto slack = static_cast<float>(slack_m);
-  weigh_one_way(reference, scan.surface, scan_hits, T_ref_scan, slack, sum);
-  weigh_one_way(scan, reference.surface, reference_hits, T_ref_scan.inverse(), slack, sum);
+  weigh_one_way(reference, scan_hits, T_ref_scan, slack_m, sum);
+  weigh_one_way(scan, reference_hits, T_ref_scan.inverse(), slack_m, sum);
   return sum;
 }
 
 }  // namespace phasescan
+#endif

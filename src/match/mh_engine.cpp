@@ -1,6 +1,5 @@
 #include "match/mh_engine.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -10,9 +9,6 @@
 
 namespace phasescan {
 namespace {
-
-constexpr double kMostVariance = 1e6;
-constexpr double kSlides_m = 0.05;  // less certain than this along some direction: a corridor, where the pose may slide
 
 struct MhReference final : Reference::Data {
   MhReference() : Data(MatchMethod::kFftMh) {}
@@ -70,9 +66,9 @@ class MhEngine final : public MatchEngine {
     result.rotation_source = best.source;
     result.iterations = outcome_.refined.iterations;
     result.overlap = std::clamp(outcome_.evidence.matched / std::max(outcome_.evidence.hits, 1), 0.0, 1.0);
-    result.covariance = covariance(outcome_.refined.information);
+    result.covariance = covariance_of(outcome_);
     result.confidence = confidence_of(confidence_features(reference, scan_, outcome_));
-    result.ambiguous = outcome_.margin < 0.05 || outcome_.profile < 0.01 || weakest_sigma(outcome_.refined.information) > kSlides_m;
+    result.ambiguous = is_ambiguous(outcome_);
     for (std::size_t k = 1; k < outcome_.hypotheses.size(); ++k) {
       const double less = std::max(best.score - outcome_.hypotheses[k].score, 0.0);
       result.alternatives.push_back({outcome_.hypotheses[k].T_ref_scan, *result.confidence * std::exp(-20.0 * less)});
@@ -81,24 +77,6 @@ class MhEngine final : public MatchEngine {
     result.usable = likely && !result.ambiguous;
     result.status = result.ambiguous ? MatchStatus::kAmbiguous : likely ? MatchStatus::kConverged : MatchStatus::kLowConfidence;
     return result;
-  }
-
-  // Standard deviation of the translation in its weakest direction, the rotation unknown as well.
-  static double weakest_sigma(const Eigen::Matrix3d& information) {
-    const Eigen::Vector2d coupling = information.topRightCorner<2, 1>();
-    const Eigen::Matrix2d marginal =
-        information.topLeftCorner<2, 2>() - coupling * coupling.transpose() / std::max(information(2, 2), 1e-9);
-    const double trace = marginal.trace();
-    const double det = marginal(0, 0) * marginal(1, 1) - marginal(0, 1) * marginal(1, 0);
-    const double weak = 0.5 * (trace - std::sqrt(std::max(trace * trace - 4.0 * det, 0.0)));
-    return 1.0 / std::sqrt(std::max(weak, 1.0 / kMostVariance));
-  }
-
-  // What the information leaves open is wide, never infinite and never negative.
-  static Eigen::Matrix3d covariance(const Eigen::Matrix3d& information) {
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
-    const Eigen::Vector3d inflated = (2.0 * eigen.eigenvalues().cwiseMax(1.0 / kMostVariance).cwiseInverse()).cwiseMin(kMostVariance);
-    return eigen.eigenvectors() * inflated.asDiagonal() * eigen.eigenvectors().transpose();
   }
 
   MatchOptions options_;

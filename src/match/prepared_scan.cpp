@@ -43,8 +43,12 @@ void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& o
   out.nearest.build(out.surface.points, std::max(half_width, static_cast<float>(std::min(1.5 * out.scale_m, 1.05 * out.range_max_m))),
                     half_width / 50.0F);
   fill_normal_histogram(out.surface, out.normals);
-  sample_evenly(out.surface, options.sparse_points, out.sparse);
-  sample_evenly(out.surface, options.middle_points, out.middle);
+  sample_evenly(out.surface, options.sparse_points, work.indices);
+  out.sparse.fill(out.surface, work.indices);
+  sample_evenly(out.surface, options.middle_points, work.indices);
+  out.middle.fill(out.surface, work.indices);
+  sample_evenly(out.surface, static_cast<int>(out.surface.size()), work.indices);
+  out.all.fill(out.surface, work.indices);
   if (options.with_table) out.table.build(out.surface, out.bearings, out.scale_m, options.values);
 }
 

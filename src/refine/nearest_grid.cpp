@@ -62,26 +62,23 @@ void NearestGrid::build(std::span<const SurfacePoint> points, float half_width, 
   thread_local std::vector<std::uint32_t> corners, indices;
   const int inner = 2 * static_cast<int>(std::ceil(half_width / cell)) + 2;
   const int n = inner + 2 * kReach + 2;
-  stride_ = static_cast<std::size_t>(n);
-  cell_ = cell;
-  inverse_cell_ = 1.0F / cell;
-  offset_ = 0.5F * static_cast<float>(n) * cell;
-  limit_ = static_cast<float>(n);
-  keys_.assign(stride_ * stride_ + 8, kNone);
+  const auto stride = static_cast<std::size_t>(n);
+  view_ = {nullptr, 0.5F * static_cast<float>(n) * cell, 1.0F / cell, static_cast<float>(n), static_cast<std::uint32_t>(n)};
+  keys_.assign(stride * stride + 8, kNone);
   corners.clear();
   indices.clear();
   std::uint32_t last = ~0U;
   const float low = static_cast<float>(kReach), high = static_cast<float>(n - kReach - 1);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const float u = (points[i].x + offset_) * inverse_cell_, v = (points[i].y + offset_) * inverse_cell_;
+    const float u = (points[i].x + view_.offset) * view_.inverse_cell, v = (points[i].y + view_.offset) * view_.inverse_cell;
     if (!(u >= low && v >= low && u < high && v < high)) continue;
-    const auto corner = (static_cast<std::uint32_t>(v) - kReach) * static_cast<std::uint32_t>(stride_) + static_cast<std::uint32_t>(u) - kReach;
+    const auto corner = (static_cast<std::uint32_t>(v) - kReach) * view_.stride + static_cast<std::uint32_t>(u) - kReach;
     if (corner == last) continue;
     last = corner;
     corners.push_back(corner);
     indices.push_back(static_cast<std::uint32_t>(i + 1));
   }
-  HWY_DYNAMIC_DISPATCH(SpreadKeys)(corners.data(), indices.data(), corners.size(), stride_, kPattern.data(), keys_.data());
+  HWY_DYNAMIC_DISPATCH(SpreadKeys)(corners.data(), indices.data(), corners.size(), stride, kPattern.data(), keys_.data());
 }
 
 }  // namespace phasescan

@@ -208,6 +208,25 @@ void find_normals(double spacing, SurfaceWorkspace& work, SurfacePoints& out) {
 
 }  // namespace
 
+void SurfaceBatch::fill(const SurfacePoints& surface, std::span<const int> indices) {
+  count = indices.size();
+  const std::size_t size = (count + kPadding - 1) / kPadding * kPadding;
+  for (auto* v : {&x, &y, &nx, &ny, &length, &variance, &sigma, &weight}) v->resize(size);
+  for (std::size_t k = 0; k < size; ++k) {
+    const bool real = k < count;
+    const auto i = real ? static_cast<std::size_t>(indices[k]) : 0;
+    const SurfacePoint point = real ? surface[i] : SurfacePoint{};
+    x[k] = point.x;
+    y[k] = point.y;
+    nx[k] = point.nx;
+    ny[k] = point.ny;
+    length[k] = real ? point.length : 1.0F;
+    variance[k] = real ? point.variance : 1.0F;
+    sigma[k] = real ? surface.sigma[i] : 1.0F;
+    weight[k] = real ? 1.0F : 0.0F;
+  }
+}
+
 void sort_beams(const Scan& scan, SurfaceWorkspace& work) {
   const std::size_t n = scan.size();
   work.angle.resize(n);

@@ -94,7 +94,7 @@ void Correlate(const std::uint8_t* HWY_RESTRICT table, const std::int32_t* HWY_R
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include <cstdlib>
+#include <algorithm>
 
 namespace phasescan {
 HWY_EXPORT(Correlate);
@@ -103,17 +103,11 @@ namespace {
 
 constexpr int kWindow = CorrelationWindow::kWindow;
 
-CorrelationPeak peak_in_row(const CorrelationWindow& window, int row, int skip_from, int skip_to) {
-  CorrelationPeak peak{-1, 0, row};
-  for (int c = 0; c < kWindow; ++c) {
-    if (c >= skip_from && c <= skip_to) continue;
-    const int sum = window.sum[row * kWindow + c];
-    if (sum > peak.sum) {
-      peak.sum = sum;
-      peak.column = c;
-    }
-  }
-  return peak;
+CorrelationPeak peak_in_row(const CorrelationWindow& window, int row) {
+  const std::uint16_t* sums = window.sum + row * kWindow;
+  int column = 0;
+  while (column + 1 < kWindow && sums[column] != window.row_max[row]) ++column;
+  return {window.row_max[row], column, row};
 }
 
 }  // namespace
@@ -127,18 +121,20 @@ CorrelationPeak highest_peak(const CorrelationWindow& window) {
   for (int r = 1; r < kWindow; ++r) {
     if (window.row_max[r] > window.row_max[best]) best = r;
   }
-  return peak_in_row(window, best, 1, 0);
+  return peak_in_row(window, best);
 }
 
-CorrelationPeak second_peak(const CorrelationWindow& window, const CorrelationPeak& other, int apart) {
-  CorrelationPeak best{-1, 0, 0};
-  for (int r = 0; r < kWindow; ++r) {
-    if (window.row_max[r] <= best.sum) continue;
-    const bool near = std::abs(r - other.row) <= apart;
-    const CorrelationPeak peak = near ? peak_in_row(window, r, other.column - apart, other.column + apart) : peak_in_row(window, r, 1, 0);
-    if (peak.sum > best.sum) best = peak;
+CorrelationPeak take_next_peak(CorrelationWindow& window, const CorrelationPeak& other, int apart) {
+  const int left = std::max(other.column - apart, 0), right = std::min(other.column + apart, kWindow - 1);
+  for (int r = std::max(other.row - apart, 0); r <= std::min(other.row + apart, kWindow - 1); ++r) {
+    std::uint16_t* sums = window.sum + r * kWindow;
+    for (int c = left; c <= right; ++c) sums[c] = 0;
+    // Sums stay below 32768: signed maxima, which every x86 has in one instruction.
+    std::int16_t most = 0;
+    for (int c = 0; c < kWindow; ++c) most = std::max(most, static_cast<std::int16_t>(sums[c]));
+    window.row_max[r] = static_cast<std::uint16_t>(most);
   }
-  return best;
+  return highest_peak(window);
 }
 
 }  // namespace phasescan

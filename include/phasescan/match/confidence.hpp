@@ -10,7 +10,7 @@ namespace phasescan {
 
 /// What the probability is computed from, in the order of the coefficients.
 struct ConfidenceFeatures {
-  static constexpr std::size_t kCount = 8;
+  static constexpr std::size_t kCount = 13;
   std::array<double, kCount> value{};
 };
 
@@ -19,5 +19,15 @@ ConfidenceFeatures confidence_features(const PreparedScan& reference, const Prep
 /// Probability that the best hypothesis is within 0.1 m and 3 deg of the truth: a logistic function of the features, fitted
 /// by tools/fit_confidence on simulated pairs.
 double confidence_of(const ConfidenceFeatures& features);
+
+/// Standard deviation of the translation in its weakest direction [m], the rotation unknown as well.
+double weakest_sigma(const Eigen::Matrix3d& information);
+
+/// Another pose explains the scans as well: the next distinct one scores alike, or the pose slides along a corridor.
+bool is_ambiguous(const SearchOutcome& outcome);
+
+/// Covariance of the error of (x, y, theta) in the reference frame: wide along what the surfaces leave open, never infinite.
+/// @source [Censi07]
+Eigen::Matrix3d covariance_of(const SearchOutcome& outcome);
 
 }  // namespace phasescan

@@ -1,8 +1,6 @@
 /// What both scans say of a pose: hits near hits, and no beam through the other's walls.
 #pragma once
 
-#include <span>
-
 #include "phasescan/match/prepared_scan.hpp"
 
 namespace phasescan {
@@ -31,9 +29,9 @@ struct Evidence {
   }
 };
 
-/// Evidence of the given hits (indices) of both scans at T_ref_scan. The tolerance follows noise, cells and `slack_m`.
-/// @cost about 15 ns a hit
-Evidence weigh_evidence(const PreparedScan& reference, const PreparedScan& scan, std::span<const int> reference_hits,
-                        std::span<const int> scan_hits, const Pose2& T_ref_scan, double slack_m);
+/// Evidence of the given hits of both scans at T_ref_scan. The tolerance follows noise, cells and `slack_m`.
+/// @cost a few ns a hit
+Evidence weigh_evidence(const PreparedScan& reference, const PreparedScan& scan, const SurfaceBatch& reference_hits,
+                        const SurfaceBatch& scan_hits, const Pose2& T_ref_scan, double slack_m);
 
 }  // namespace phasescan

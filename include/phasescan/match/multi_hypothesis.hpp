@@ -37,7 +37,10 @@ class MultiHypothesisSearch {
   void run(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess, SearchOutcome& out);
 
  private:
-  void sweep(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess);
+  void sweep(const PreparedScan& reference, const PreparedScan& scan, const Pose2& centre);
+  void add_twins(const PreparedScan& reference, const PreparedScan& scan, double theta);
+  /// Correlates at one rotation about a centre; false where no point falls onto the table.
+  int correlate(const PreparedScan& reference, const PreparedScan& scan, const Pose2& centre);
   void thin(const PreparedScan& reference);
 
   MhOptions options_;

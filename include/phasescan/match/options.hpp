@@ -20,7 +20,7 @@ std::span<const std::string_view> enum_names<MatchMethod>();
 
 /// What belongs to no single stage (section `match`).
 struct MatchGeneralOptions {
-  MatchMethod method = MatchMethod::kFftIcp2;
+  MatchMethod method = MatchMethod::kFftMh;
   bool fast = false;
   double min_confidence = 0.9;
   int min_points = 10;

@@ -19,12 +19,13 @@ struct PreparedScan {
   NearestGrid nearest;
   ScoreTable table;
   NormalHistogram normals;
-  std::vector<int> sparse;  ///< hits evenly spaced along the surfaces, for the coarse sweep
-  std::vector<int> middle;  ///< the same, more of them, for refinement and evidence
+  SurfaceBatch sparse;      ///< hits evenly spaced along the surfaces, for the coarse sweep
+  SurfaceBatch middle;      ///< the same, more of them, for refinement and evidence
+  SurfaceBatch all;         ///< every hit
   double scale_m = 0.0;     ///< size of the place in the eyes of the sensor: sets cells and gates
   double range_max_m = 0.0; ///< effective reach of the sensor
 
-  SurfaceModel model() const { return {surface, nearest}; }
+  SurfaceModel model() const { return {surface, nearest, all}; }
   std::size_t size() const { return surface.size(); }
 };
 
@@ -40,6 +41,7 @@ struct PrepareOptions {
 struct PrepareWorkspace {
   SurfaceWorkspace surface;
   BearingWorkspace bearings;
+  std::vector<int> indices;
 };
 
 /// @cost about 50 us for 360 beams, linear in beams

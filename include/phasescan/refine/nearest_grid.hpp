@@ -24,19 +24,28 @@ class NearestGrid {
 
   /// Index of a point near (px, py), or -1 where none is within reach.
   int nearest(float px, float py) const {
-    const float u = (px + offset_) * inverse_cell_, v = (py + offset_) * inverse_cell_;
-    if (!(u >= 0.0F && v >= 0.0F && u < limit_ && v < limit_)) return -1;
-    return static_cast<int>(keys_[static_cast<std::size_t>(static_cast<int>(v)) * stride_ + static_cast<std::size_t>(static_cast<int>(u))] & kIndexMask) - 1;
+    const float u = (px + view_.offset) * view_.inverse_cell, v = (py + view_.offset) * view_.inverse_cell;
+    if (!(u >= 0.0F && v >= 0.0F && u < view_.limit && v < view_.limit)) return -1;
+    return static_cast<int>(keys_[static_cast<std::size_t>(v) * view_.stride + static_cast<std::size_t>(u)] & kIndexMask) - 1;
   }
 
-  float cell() const { return cell_; }
+  /// What vector code reads: key of cell (u, v) = keys[v * stride + u], index + 1 in its low bits (kIndexMask), 0 = none.
+  struct View {
+    const std::uint32_t* keys = nullptr;
+    float offset = 0.0F, inverse_cell = 1.0F, limit = 0.0F;
+    std::uint32_t stride = 0;
+  };
+  static constexpr std::uint32_t kIndexMask = (1U << 25) - 1;
   bool empty() const { return keys_.empty(); }
+  View view() const {
+    View view = view_;
+    view.keys = keys_.data();
+    return view;
+  }
 
  private:
-  static constexpr std::uint32_t kIndexMask = (1U << 25) - 1;
-  float offset_ = 0.0F, inverse_cell_ = 1.0F, limit_ = 0.0F, cell_ = 1.0F;
-  std::size_t stride_ = 0;
-  std::vector<std::uint32_t> keys_;  // squared distance in cells << 25 | index + 1; kNone has index part 0
+  View view_;                        // its pointer stays null: copies of the grid must not share keys
+  std::vector<std::uint32_t> keys_;  // squared distance in cells << 25 | index + 1
 };
 
 }  // namespace phasescan

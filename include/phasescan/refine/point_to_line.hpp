@@ -10,11 +10,12 @@
 
 namespace phasescan {
 
-/// A surface that can be matched against: points in order and the grid that finds them. A submap is one as well, if its
-/// points carry normals, sigma, length and support (the viewpoint itself plays no part).
+/// A surface that can be matched against: points in order, the grid that finds them, and the hits that ask for partners in
+/// another surface. A submap is one as well, if its points carry normals, variance, length and normal_variance.
 struct SurfaceModel {
   const SurfacePoints& points;
   const NearestGrid& grid;
+  const SurfaceBatch& all;
 };
 
 /// How a refinement goes.
@@ -37,33 +38,45 @@ struct PointToLineResult {
   int partners = 0;   ///< hits of the scan that found a partner in the last step
 };
 
-/// Refines T_ref_scan from `guess` with the scan's points `scan_subset` (all where empty) and, if `both_ways`, the
-/// reference's points `ref_subset` as well.
+/// Refines T_ref_scan from `guess`: the hits `of_scan` look for lines in the reference and, unless it is null, the hits `of_ref`
+/// for lines in the scan.
 ///
 /// Minimises sum w rho(e), e = n . (R p + t - q) with n, q the line at the partner and w = 1 / (variance of both ranges along
 /// n per length of surface); the kernel's width shrinks from gate_start to gate_end, so the first steps weigh all points
 /// alike and the last ones as their noise deserves.
-/// @cost about 20 ns a point and step
-/// @source [Censi08] for the metric, [Segal09] for symmetric weights
+/// @cost a few ns a point and step
+/// @source [Censi08] for the metric, [Segal09] for weights from both surfaces
 PointToLineResult refine_point_to_line(const SurfaceModel& reference, const SurfaceModel& scan, const Pose2& guess,
-                                       const PointToLineOptions& options, std::span<const int> scan_subset = {},
-                                       std::span<const int> ref_subset = {}, bool both_ways = true);
+                                       const PointToLineOptions& options, const SurfaceBatch& of_scan, const SurfaceBatch* of_ref);
 
-/// Normal equations of one step, for tests and covariance: H, g with step = -H^-1 g.
+/// The same with all hits, both ways.
+inline PointToLineResult refine_point_to_line(const SurfaceModel& reference, const SurfaceModel& scan, const Pose2& guess,
+                                              const PointToLineOptions& options) {
+  return refine_point_to_line(reference, scan, guess, options, scan.all, &reference.all);
+}
+
+/// Normal equations of one step about (x, y, theta): step = -H^-1 g.
 struct NormalEquations {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
   Eigen::Matrix3d normal_noise = Eigen::Matrix3d::Zero();  ///< what noise of the normals adds to H in expectation
-  double cost = 0.0;
+  double cost = 0.0;                                       ///< sum of w e^2
   int partners = 0;
 };
 
-/// Adds the scan's points against the reference's lines at T_ref_scan (`forward`), or, seen from the reference, the
-/// reference's points against the scan's lines. Partners are at most `gate_m` apart; `soft_m` widens the kernel and levels the
-/// weights (0: maximum likelihood).
-void add_forward(const SurfaceModel& reference, const SurfacePoints& scan, std::span<const int> subset, const Pose2& T_ref_scan,
-                 double gate_m, double soft_m, double min_normal_cosine, NormalEquations& sum);
-void add_backward(const SurfacePoints& reference, const SurfaceModel& scan, std::span<const int> subset, const Pose2& T_ref_scan,
-                  double gate_m, double soft_m, double min_normal_cosine, NormalEquations& sum);
+/// How partners are chosen and weighed in one step.
+struct PartnerGate {
+  double gate_m = 0.1;              ///< partners are at most this far apart, across and along the line
+  double soft_m = 0.0;              ///< widens the kernel and levels the weights; 0: maximum likelihood
+  double min_normal_cosine = 0.75;
+};
+
+/// Normal equations of `hits` at T_model_hits against the model's lines.
+/// @throws nothing; every CPU gives the same to float rounding.
+NormalEquations point_to_line_equations(const SurfaceModel& model, const SurfaceBatch& hits, const Pose2& T_model_hits,
+                                        const PartnerGate& gate);
+
+/// Equations about T^-1 turned into equations about T.
+NormalEquations about_inverse(const NormalEquations& equations, const Pose2& T);
 
 }  // namespace phasescan

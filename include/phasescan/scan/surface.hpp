@@ -1,6 +1,7 @@
 /// The hits of a scan with the surface they lie on: normals, noise, and how much wall each beam stands for.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "phasescan/core/pose2.hpp"
@@ -43,6 +44,18 @@ struct SurfacePoints {
 
   std::size_t size() const { return points.size(); }
   const SurfacePoint& operator[](std::size_t i) const { return points[i]; }
+};
+
+/// Some of a scan's hits, structure of arrays, as vector code asks for them: padded to whole vectors with entries whose weight
+/// is 0 and that face nowhere.
+struct SurfaceBatch {
+  static constexpr std::size_t kPadding = 16;
+  std::vector<float> x, y, nx, ny, length, variance, sigma, weight;
+  std::size_t count = 0;  ///< without the padding
+
+  std::size_t padded() const { return x.size(); }
+  /// Copies the hits named by `indices`. @cost O(indices)
+  void fill(const SurfacePoints& surface, std::span<const int> indices);
 };
 
 /// Buffers of `find_surface`, kept between calls.

@@ -23,14 +23,14 @@ struct CorrelationPeak {
 };
 
 /// sum[r][c] = sum over points of table[offset + r * stride + c].
-/// @param offsets  of each point's window corner in the table; all (r, c) must lie inside; at most 65535 / kMaxScore points
+/// @param offsets  of each point's window corner in the table; all (r, c) must lie inside; at most 32767 / kMaxScore points
 /// @source as real-time correlative matching [Olson09], but with the points few and the table so small that it stays in L1
 void correlate_points(const std::uint8_t* table, std::span<const std::int32_t> offsets, CorrelationWindow& out);
 
 /// The largest sum (first in row order among equals).
 CorrelationPeak highest_peak(const CorrelationWindow& window);
 
-/// The largest sum more than `apart` cells away from `other` in row or column.
-CorrelationPeak second_peak(const CorrelationWindow& window, const CorrelationPeak& other, int apart);
+/// The largest sum more than `apart` cells away from `other` in row or column; sums nearer than that become 0.
+CorrelationPeak take_next_peak(CorrelationWindow& window, const CorrelationPeak& other, int apart);
 
 }  // namespace phasescan

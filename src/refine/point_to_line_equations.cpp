@@ -1,0 +1,146 @@
+#include "phasescan/refine/point_to_line.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "refine/point_to_line_equations.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "refine/nearest-inl.hpp"
+
+namespace phasescan {
+#ifndef PHASESCAN_LINE_TASK
+#define PHASESCAN_LINE_TASK
+// One call of the kernel. Sums: H (xx, xy, xt, yy, yt, tt), g (x, y, t), leak of the normals (as H), cost, partners.
+struct LineTask {
+  NearestGrid::View grid;
+  const float* points;
+  const float* normal_variance;
+  int last;
+  const float *x, *y, *nx, *ny, *length, *variance;
+  std::size_t padded;
+  float c, s, tx, ty, gate, soft, min_cosine;
+  float sums[17];
+};
+#endif
+}  // namespace phasescan
+
+HWY_BEFORE_NAMESPACE();
+namespace phasescan {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+void SumEquations(LineTask& task) {
+  const hn::CappedTag<float, SurfaceBatch::kPadding> df;
+  using V = hn::Vec<decltype(df)>;
+  const hn::RebindToSigned<decltype(df)> di;
+  const V c = hn::Set(df, task.c), s = hn::Set(df, task.s), tx = hn::Set(df, task.tx), ty = hn::Set(df, task.ty);
+  const V gate = hn::Set(df, task.gate), min_cosine = hn::Set(df, task.min_cosine), half = hn::Set(df, 0.5F);
+  constexpr float kModelVariance = 4e-6F;  // [m^2] surfaces are not lines, beams are not points
+  const V base = hn::Set(df, kModelVariance + task.soft * task.soft), six = hn::Set(df, 6.0F);
+  const bool with_leak = task.soft == 0.0F;
+  V xx = hn::Zero(df), xy = xx, xt = xx, yy = xx, yt = xx, tt = xx, gx = xx, gy = xx, gt = xx;
+  V lxx = xx, lxy = xx, lxt = xx, lyy = xx, lyt = xx, ltt = xx, cost = xx, partners = xx;
+  const V one = hn::Set(df, 1.0F);
+  for (std::size_t k = 0; k < task.padded; k += hn::Lanes(df)) {
+    const V px = hn::LoadU(df, task.x + k), py = hn::LoadU(df, task.y + k);
+    const V rx = hn::Sub(hn::Mul(c, px), hn::Mul(s, py)), ry = hn::Add(hn::Mul(s, px), hn::Mul(c, py));
+    const V qx = hn::Add(rx, tx), qy = hn::Add(ry, ty);
+    hn::Mask<decltype(df)> found;
+    V distance2;
+    const auto index = FindNearest(df, task.grid, task.points, task.last, qx, qy, found, distance2);
+    if (hn::AllFalse(df, found)) continue;
+    const V mx = hn::LoadU(df, task.nx + k), my = hn::LoadU(df, task.ny + k);
+    const V ax = hn::Sub(hn::Mul(c, mx), hn::Mul(s, my)), ay = hn::Add(hn::Mul(s, mx), hn::Mul(c, my));
+    const V nx = GatherField(df, task.points, index, kNx), ny = GatherField(df, task.points, index, kNy);
+    // Also false where either has no normal.
+    auto good = hn::And(found, hn::Ge(hn::Add(hn::Mul(nx, ax), hn::Mul(ny, ay)), min_cosine));
+    const V dx = hn::Sub(qx, GatherField(df, task.points, index, kLineX)), dy = hn::Sub(qy, GatherField(df, task.points, index, kLineY));
+    const V residual = hn::Add(hn::Mul(dx, nx), hn::Mul(dy, ny));
+    const V along = hn::Sub(hn::Mul(dy, nx), hn::Mul(dx, ny));
+    const V line_length = GatherField(df, task.points, index, kLength);
+    good = hn::And(good, hn::Le(hn::Abs(residual), gate));
+    good = hn::And(good, hn::Le(hn::Abs(along), hn::Add(gate, hn::Mul(half, line_length))));
+    if (hn::AllFalse(df, good)) continue;
+    // One over the variance of the residual: the point stands for `length` of surface, the line is seen by beams that stand for
+    // line_length each. Times the kernel (Geman-McClure): far residuals count less.
+    const V line_variance = GatherField(df, task.points, index, kVariance);
+    const V spread = hn::Div(hn::Mul(line_variance, line_length), hn::LoadU(df, task.length + k));
+    const V variance6 = hn::Mul(six, hn::Add(hn::Add(hn::LoadU(df, task.variance + k), spread), base));
+    const V below = hn::Add(variance6, hn::Mul(residual, residual));
+    const V w = hn::IfThenElseZero(good, hn::Div(hn::Mul(six, variance6), hn::Mul(below, below)));
+    const V jt = hn::Sub(hn::Mul(rx, ny), hn::Mul(ry, nx));
+    const V wx = hn::Mul(w, nx), wy = hn::Mul(w, ny), wt = hn::Mul(w, jt);
+    xx = hn::Add(xx, hn::Mul(wx, nx));
+    xy = hn::Add(xy, hn::Mul(wx, ny));
+    xt = hn::Add(xt, hn::Mul(wx, jt));
+    yy = hn::Add(yy, hn::Mul(wy, ny));
+    yt = hn::Add(yt, hn::Mul(wy, jt));
+    tt = hn::Add(tt, hn::Mul(wt, jt));
+    gx = hn::Add(gx, hn::Mul(wx, residual));
+    gy = hn::Add(gy, hn::Mul(wy, residual));
+    gt = hn::Add(gt, hn::Mul(wt, residual));
+    cost = hn::Add(cost, hn::Mul(hn::Mul(w, residual), residual));
+    partners = hn::Add(partners, hn::IfThenElseZero(good, one));
+    if (!with_leak) continue;
+    // Along the tangent (-ny, nx), which turns by `turn`, a noisy normal leaks weight * variance of information.
+    const V leak = hn::Mul(w, hn::GatherIndex(df, task.normal_variance, index));
+    const V turn = hn::Add(hn::Mul(rx, nx), hn::Mul(ry, ny));
+    const V ux = hn::Mul(leak, ny), uy = hn::Mul(leak, nx), ut = hn::Mul(leak, turn);
+    lxx = hn::Add(lxx, hn::Mul(ux, ny));
+    lxy = hn::Sub(lxy, hn::Mul(ux, nx));
+    lxt = hn::Sub(lxt, hn::Mul(ut, ny));
+    lyy = hn::Add(lyy, hn::Mul(uy, nx));
+    lyt = hn::Add(lyt, hn::Mul(ut, nx));
+    ltt = hn::Add(ltt, hn::Mul(ut, turn));
+  }
+  const V all[] = {xx, xy, xt, yy, yt, tt, gx, gy, gt, lxx, lxy, lxt, lyy, lyt, ltt, cost, partners};
+  static_cast<void>(di);
+  for (int k = 0; k < 17; ++k) task.sums[k] = hn::GetLane(hn::SumOfLanes(df, all[k]));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace phasescan
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+#include <cmath>
+
+namespace phasescan {
+HWY_EXPORT(SumEquations);
+
+NormalEquations point_to_line_equations(const SurfaceModel& model, const SurfaceBatch& hits, const Pose2& T_model_hits,
+                                        const PartnerGate& gate) {
+  NormalEquations out;
+  if (model.points.size() == 0 || model.grid.empty() || hits.count == 0) return out;
+  LineTask task{model.grid.view(), &model.points.points.front().x, model.points.normal_variance.data(),
+                static_cast<int>(model.points.size()) - 1, hits.x.data(), hits.y.data(), hits.nx.data(), hits.ny.data(),
+                hits.length.data(), hits.variance.data(), hits.padded(), static_cast<float>(std::cos(T_model_hits.theta)),
+                static_cast<float>(std::sin(T_model_hits.theta)), static_cast<float>(T_model_hits.x), static_cast<float>(T_model_hits.y),
+                static_cast<float>(gate.gate_m), static_cast<float>(gate.soft_m), static_cast<float>(gate.min_normal_cosine), {}};
+  HWY_DYNAMIC_DISPATCH(SumEquations)(task);
+  const auto symmetric = [](const float* v) {
+    Eigen::Matrix3f full;
+    full << v[0], v[1], v[2], v[1], v[3], v[4], v[2], v[4], v[5];
+    return full.cast<double>().eval();
+  };
+  out.H = symmetric(task.sums);
+  out.g = Eigen::Vector3f(task.sums[6], task.sums[7], task.sums[8]).cast<double>();
+  out.normal_noise = symmetric(task.sums + 9);
+  out.cost = static_cast<double>(task.sums[15]);
+  out.partners = static_cast<int>(task.sums[16]);
+  return out;
+}
+
+NormalEquations about_inverse(const NormalEquations& equations, const Pose2& T) {
+  const double c = std::cos(T.theta), s = std::sin(T.theta);
+  Eigen::Matrix3d M;  // d(T^-1) / dT
+  M << -c, -s, s * T.x - c * T.y, s, -c, c * T.x + s * T.y, 0.0, 0.0, -1.0;
+  NormalEquations out = equations;
+  out.H = M.transpose() * equations.H * M;
+  out.normal_noise = M.transpose() * equations.normal_noise * M;
+  out.g = M.transpose() * equations.g;
+  return out;
+}
+
+}  // namespace phasescan
+#endif
