@@ -30,7 +30,6 @@ PairSource chain(std::vector<PairSource> sources) {
 }
 
 void write_results(const std::string& folder, const BenchRun& run, const std::vector<BenchMethod>& methods, const BenchInfo& info) {
-  make_folder(folder);
   for (const auto& [name, svg] : bench_figures(run, methods, info)) write_file(folder + "/" + name, svg);
   write_file(folder + "/results.md", bench_markdown(run, methods, info));
   write_file(folder + "/results.json", bench_json(run, methods, info));
@@ -62,6 +61,7 @@ int run_bench_command(const BenchFlags& flags) {
     sources.push_back(simulated_source(std::make_shared<const sim::PairGenerator>(std::move(spec), seed), flags.count, common.threads));
     info.sources.push_back(name + ": " + std::to_string(flags.count) + " simulated pairs, seed " + std::to_string(seed));
   }
+  make_folder(flags.out);  // before the work, so that a folder that cannot be made costs no minutes
   Progress progress("pairs", flags.pairs.empty() ? flags.sim.size() * flags.count : 0);
   BenchSettings settings;
   settings.threads = common.threads;

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <exception>
-#include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <thread>
 
+#include "phasescan/core/random.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/eval/statistics.hpp"
 #include "phasescan/match/scan_matcher.hpp"
@@ -19,37 +20,54 @@ constexpr std::size_t kBlock = 512;
 /// One thread's matchers, and what it does with a pair.
 class Worker {
  public:
-  Worker(const std::vector<BenchMethod>& methods, int repeat) : repeat_(std::max(1, repeat)) {
+  explicit Worker(const std::vector<BenchMethod>& methods) {
     for (const BenchMethod& method : methods) matchers_.emplace_back(method.options);
   }
 
+  /// Matches and judges. @param out  one per method
   void run(const BenchPair& given, PairOutcome* out) {
     const ScanPair& pair = given.pair;
     const double overlap = pair.truth ? scan_overlap(pair.reference, pair.scan, *pair.truth) : 0.0;
     for (std::size_t m = 0; m < matchers_.size(); ++m) {
-      MatchTimes fastest;
-      fastest.total = std::numeric_limits<double>::infinity();
-      MatchResult result;
-      for (int r = 0; r < repeat_; ++r) {
-        result = matchers_[m].match(pair.reference, pair.scan);
-        if (result.ms.total < fastest.total) fastest = result.ms;
-      }
-      result.ms = fastest;
-      out[m] = judge(pair, result, m, overlap, given.information);
+      out[m] = judge(pair, matchers_[m].match(pair.reference, pair.scan), m, overlap, given.information);
+    }
+  }
+
+  /// Matches once more and keeps the faster times.
+  void time_again(const ScanPair& pair, PairOutcome* out) {
+    for (std::size_t m = 0; m < matchers_.size(); ++m) {
+      const MatchTimes ms = matchers_[m].match(pair.reference, pair.scan).ms;
+      if (ms.total < out[m].ms.total) out[m].ms = ms;
     }
   }
 
  private:
-  int repeat_;
   std::vector<ScanMatcher> matchers_;
 };
 
-/// Pairs k, k + threads, ... of the block go to worker k, so that an outcome's place never depends on who was faster.
-void run_block(const std::vector<BenchPair>& block, std::vector<Worker>& workers, std::size_t methods, PairOutcome* out) {
+/// 0 .. n-1 shuffled, always alike: neighbours in a file are often of one class and one place.
+std::vector<std::size_t> shuffled(std::size_t n) {
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  Random random(n);
+  for (std::size_t i = n; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
+  return order;
+}
+
+/// Every workers.size()-th pair of the shuffled block goes to the same worker, so that an outcome never depends on who was faster.
+/// Repeats go over the whole block again, so that each match meets another pair's data in the caches.
+void run_block(const std::vector<BenchPair>& block, std::vector<Worker>& workers, std::size_t methods, int repeat, PairOutcome* out) {
+  const std::vector<std::size_t> order = shuffled(block.size());
   std::vector<std::exception_ptr> failures(workers.size());
   const auto work = [&](std::size_t k) {
     try {
-      for (std::size_t i = k; i < block.size(); i += workers.size()) workers[k].run(block[i], out + i * methods);
+      for (int r = 0; r < repeat; ++r) {
+        for (std::size_t i = k; i < order.size(); i += workers.size()) {
+          const BenchPair& given = block[order[i]];
+          PairOutcome* const at = out + order[i] * methods;
+          r == 0 ? workers[k].run(given, at) : workers[k].time_again(given.pair, at);
+        }
+      }
     } catch (...) {
       failures[k] = std::current_exception();
     }
@@ -98,7 +116,7 @@ double time_reference_fft(int repeats) {
 
 BenchRun run_bench(const PairSource& source, const std::vector<BenchMethod>& methods, const BenchSettings& settings) {
   std::vector<Worker> workers;
-  for (int k = 0; k < std::max(1, settings.threads); ++k) workers.emplace_back(methods, settings.repeat);
+  for (int k = 0; k < std::max(1, settings.threads); ++k) workers.emplace_back(methods);
   BenchRun run;
   std::vector<double> fft_ms{time_reference_fft()};
   std::vector<BenchPair> block;
@@ -114,7 +132,7 @@ BenchRun run_bench(const PairSource& source, const std::vector<BenchMethod>& met
     }
     const std::size_t at = run.outcomes.size();
     run.outcomes.resize(at + block.size() * methods.size());
-    run_block(block, workers, methods.size(), run.outcomes.data() + at);
+    run_block(block, workers, methods.size(), std::max(1, settings.repeat), run.outcomes.data() + at);
     run.pairs += block.size();
     fft_ms.push_back(time_reference_fft());
     if (settings.progress) settings.progress(run.pairs);

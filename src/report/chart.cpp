@@ -91,7 +91,9 @@ class Plotter {
       if (!std::isfinite(s.y[i])) continue;
       const double x = column_center(s.x[i]), top = y_(s.y[i]);
       canvas_.rect(x - 0.46 * width, std::min(top, base), 0.92 * width, std::abs(base - top), color, s.opacity);
-      if (!s.low.empty()) whisker(x, s.low[i], s.high[i], {std::string(palette::kInk), 1.0}, std::min(3.0, width / 4.0));
+      if (s.low.empty()) continue;
+      whisker(x, s.low[i], s.high[i], {"#ffffff", 3.0, {}, 0.75}, std::min(3.0, width / 4.0));  // so that it shows on dark bars
+      whisker(x, s.low[i], s.high[i], {std::string(palette::kInk), 1.0}, std::min(3.0, width / 4.0));
     }
     ++column_;
   }

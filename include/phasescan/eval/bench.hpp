@@ -46,7 +46,7 @@ PairSource simulated_source(std::shared_ptr<const sim::PairGenerator> generator,
 /// How to run. Nothing of it changes an outcome but its times.
 struct BenchSettings {
   int threads = 1;
-  int repeat = 1;  ///< matches per pair and method; the fastest one's times are kept
+  int repeat = 1;  ///< passes over each block of pairs, in shuffled order; the fastest times of each match are kept
   std::function<void(std::size_t pairs_done)> progress;
 };
 
