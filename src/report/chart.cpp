@@ -232,7 +232,9 @@ void Chart::draw(SvgCanvas& canvas, double x0, double y0, double w, double h) co
 
   canvas.rect(left, top, right - left, bottom - top, "#ffffff");
   if (raster) {
-    canvas.pixels(left, top, right - left, bottom - top, raster->values, raster->rows, raster->cols, raster->color, raster->levels);
+    const double px0 = sx(x.min.value_or(sx.low)), px1 = sx(x.max.value_or(sx.high));
+    const double py0 = sy(y.max.value_or(sy.high)), py1 = sy(y.min.value_or(sy.low));
+    canvas.pixels(px0, py0, px1 - px0, py1 - py0, raster->values, raster->rows, raster->cols, raster->color, raster->levels);
   }
   draw_axes(canvas, *this, sx, sy, axis_ticks(x, sx, x_target), axis_ticks(y, sy, y_target));
   canvas.begin_clip(left, top, right - left, bottom - top);
@@ -271,7 +273,11 @@ std::string Figure::svg() const {
   const int rows = (static_cast<int>(charts.size()) + cols - 1) / cols;
   std::vector<LegendEntry> entries;
   for (const Chart& chart : charts) {
-    if (shared_legend && entries.empty() && chart.legend != LegendPlace::kNone) entries = legend_entries(chart, series_colors(chart));
+    if (!shared_legend || chart.legend == LegendPlace::kNone) continue;
+    for (LegendEntry& entry : legend_entries(chart, series_colors(chart))) {
+      const bool known = std::any_of(entries.begin(), entries.end(), [&](const LegendEntry& e) { return e.name == entry.name; });
+      if (!known) entries.push_back(std::move(entry));
+    }
   }
   const double width = cols * cell_width;
   const double title_height = title.empty() ? 0.0 : 28.0;

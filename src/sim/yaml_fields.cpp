@@ -6,6 +6,15 @@
 #include "sim/embedded.hpp"
 
 namespace phasescan::sim {
+namespace {
+
+/// Whether a built-in file belongs to a folder of simulator settings; the methods' own settings (paper-*.yaml) are none.
+bool is_of(const std::filesystem::path& file, const std::string& folder) {
+  return file.parent_path() == folder && !file.filename().string().starts_with("paper-");
+}
+
+}  // namespace
+
 
 YAML::Node load_yaml(const std::string& text, const std::string& name) {
   try {
@@ -22,7 +31,7 @@ std::string find_config(const std::string& path_or_name, const std::string& fold
   std::string choices;
   for (const EmbeddedFile& file : embedded_files()) {
     const std::filesystem::path path{std::string(file.name)};
-    if (path.parent_path() != folder) continue;
+    if (!is_of(path, folder)) continue;
     if (path.stem() == path_or_name || path.filename() == path_or_name) built_in = &file;
     choices += (choices.empty() ? "" : ", ") + path.stem().string();
   }
@@ -40,7 +49,7 @@ std::vector<std::string> config_names(const std::string& folder) {
   std::vector<std::string> names;
   for (const EmbeddedFile& file : embedded_files()) {
     const std::filesystem::path path{std::string(file.name)};
-    if (path.parent_path() == folder) names.push_back(path.stem().string());
+    if (is_of(path, folder)) names.push_back(path.stem().string());
   }
   return names;
 }

@@ -79,7 +79,7 @@ struct Chart {
   std::string svg(double w = 520.0, double h = 340.0) const;
 };
 
-/// Charts in a grid with one title and one legend for all (that of the first chart that has names).
+/// Charts in a grid with one title and one legend for all: every name once, as the first chart that has it draws it.
 struct Figure {
   std::string title;
   std::vector<Chart> charts;  ///< row by row
