@@ -29,7 +29,8 @@ PairSource chain(std::vector<PairSource> sources) {
   };
 }
 
-void write_results(const std::string& folder, const BenchRun& run, const std::vector<BenchMethod>& methods, const BenchInfo& info) {
+void write_results(const std::string& folder, const BenchRun& run, const std::vector<BenchMethod>& methods,
+                   const BenchInfo& info) {
   for (const auto& [name, svg] : bench_figures(run, methods, info)) write_file(folder + "/" + name, svg);
   write_file(folder + "/results.md", bench_markdown(run, methods, info));
   write_file(folder + "/results.json", bench_json(run, methods, info));
@@ -37,7 +38,8 @@ void write_results(const std::string& folder, const BenchRun& run, const std::ve
 
 int run_bench_command(const BenchFlags& flags) {
   if (flags.out.empty()) throw std::invalid_argument("bench: no --out; expected the folder for the results");
-  if (flags.pairs.empty() && flags.sim.empty()) throw std::invalid_argument("bench: nothing to run; expected --pairs FILE... or --sim SPEC...");
+  if (flags.pairs.empty() && flags.sim.empty())
+    throw std::invalid_argument("bench: nothing to run; expected --pairs FILE... or --sim SPEC...");
   CommonFlags common = flags.common;
   const std::string names = common.method.empty() ? "icp,ndt,fft,fft-icp1,fft-icp2,fft-mh" : common.method;
   common.method.clear();
@@ -58,8 +60,10 @@ int run_bench_command(const BenchFlags& flags) {
   for (const std::string& name : flags.sim) {
     sim::PairsSpec spec = sim::read_pairs_spec(name);
     const std::uint64_t seed = flags.seed_given ? common.seed : spec.seed;
-    sources.push_back(simulated_source(std::make_shared<const sim::PairGenerator>(std::move(spec), seed), flags.count, common.threads));
-    info.sources.push_back(name + ": " + std::to_string(flags.count) + " simulated pairs, seed " + std::to_string(seed));
+    sources.push_back(simulated_source(std::make_shared<const sim::PairGenerator>(std::move(spec), seed), flags.count,
+                                       common.threads));
+    info.sources.push_back(name + ": " + std::to_string(flags.count) + " simulated pairs, seed " +
+                           std::to_string(seed));
   }
   make_folder(flags.out);  // before the work, so that a folder that cannot be made costs no minutes
   Progress progress("pairs", flags.pairs.empty() ? flags.sim.size() * flags.count : 0);
@@ -76,14 +80,22 @@ void add_bench_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("bench", "success, honesty, accuracy and time per method, class and dataset");
   auto flags = std::make_shared<BenchFlags>();
   command->add_option("--pairs", flags->pairs, "pairs files with truth (.jsonl, .jsonl.gz)")->type_name("FILE...");
-  command->add_option("--sim", flags->sim, "simulated sets: YAML files or built-in names such as bench-sim")->type_name("SPEC...");
+  command->add_option("--sim", flags->sim, "simulated sets: YAML files or built-in names such as bench-sim")
+      ->type_name("SPEC...");
   command->add_option("--out", flags->out, "folder for results.json, results.md and the figures")->type_name("DIR");
   command->add_option("--method", flags->common.method, "comma-separated; without: all six")->type_name("A,B");
   command->add_flag("--fast", flags->common.fast, "trade a little robustness for time (fft-mh)");
-  command->add_option("--count", flags->count, "pairs of each simulated set")->type_name("N")->check(CLI::Range(1, 100'000'000))->capture_default_str();
+  command->add_option("--count", flags->count, "pairs of each simulated set")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100'000'000))
+      ->capture_default_str();
   command->add_option("--repeat", flags->repeat, "match each pair N times and keep its fastest time")
-      ->type_name("N")->check(CLI::Range(1, 1000))->capture_default_str();
-  auto* seed = command->add_option("--seed", flags->common.seed, "seed of the simulated sets; without: the one in the file")->type_name("N");
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  auto* seed =
+      command->add_option("--seed", flags->common.seed, "seed of the simulated sets; without: the one in the file")
+          ->type_name("N");
   add_threads_flag(*command, flags->common);
   add_config_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);

@@ -35,8 +35,11 @@ void add_paper_command(CLI::App& app, CommandBody& body) {
   auto flags = std::make_shared<PaperFlags>();
   command->add_option("--out", flags->out, "folder for report.html, figures and data")->type_name("DIR")->required();
   command->add_flag("--quick", flags->options.quick, "fewer pairs and speeds: under a minute");
-  command->add_option("--pairs", flags->options.pairs, "also repeat Fig. 10 and Table 2 on these pairs files")->type_name("FILE...");
-  command->add_option("--seed", flags->options.seed, "seed of the simulated data")->type_name("N")->capture_default_str();
+  command->add_option("--pairs", flags->options.pairs, "also repeat Fig. 10 and Table 2 on these pairs files")
+      ->type_name("FILE...");
+  command->add_option("--seed", flags->options.seed, "seed of the simulated data")
+      ->type_name("N")
+      ->capture_default_str();
   add_threads_flag(*command, flags->common, 2);
   add_no_times_flag(*command, flags->common);
   command->callback([flags, &body] { body = [flags] { return run_paper_command(*flags); }; });

@@ -54,9 +54,10 @@ std::vector<std::size_t> shuffled(std::size_t n) {
   return order;
 }
 
-/// Every workers.size()-th pair of the shuffled block goes to the same worker, so that an outcome never depends on who was faster.
-/// Repeats go over the whole block again, so that each match meets another pair's data in the caches.
-void run_block(const std::vector<BenchPair>& block, std::vector<Worker>& workers, std::size_t methods, int repeat, PairOutcome* out) {
+/// Every workers.size()-th pair of the shuffled block goes to the same worker, so that an outcome never depends on who
+/// was faster. Repeats go over the whole block again, so that each match meets another pair's data in the caches.
+void run_block(const std::vector<BenchPair>& block, std::vector<Worker>& workers, std::size_t methods, int repeat,
+               PairOutcome* out) {
   const std::vector<std::size_t> order = shuffled(block.size());
   std::vector<std::exception_ptr> failures(workers.size());
   const auto work = [&](std::size_t k) {

@@ -122,12 +122,14 @@ Chart reliability_chart(const BenchRun& run, const std::vector<BenchMethod>& met
 }
 
 bool any_confidence(const BenchRun& run) {
-  return std::any_of(run.outcomes.begin(), run.outcomes.end(), [](const PairOutcome& o) { return o.confidence.has_value(); });
+  return std::any_of(run.outcomes.begin(), run.outcomes.end(),
+                     [](const PairOutcome& o) { return o.confidence.has_value(); });
 }
 
 }  // namespace
 
-Chart success_chart(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods, const std::string& title) {
+Chart success_chart(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods,
+                    const std::string& title) {
   Chart chart;
   chart.title = title;
   chart.y.label = "success [%]";
@@ -143,7 +145,8 @@ Chart success_chart(const std::vector<PairRow>& rows, const std::vector<BenchMet
     Series s = method_series(methods, m, SeriesKind::kBars);
     for (const PairRow& row : rows) {
       if (row.method != m || row.with_truth == 0) continue;
-      const auto at = std::find(chart.x.categories.begin(), chart.x.categories.end(), row.cls) - chart.x.categories.begin();
+      const auto at =
+          std::find(chart.x.categories.begin(), chart.x.categories.end(), row.cls) - chart.x.categories.begin();
       s.x.push_back(static_cast<double>(at));
       s.y.push_back(100.0 * row.success());
       s.low.push_back(100.0 * row.interval.low);
@@ -154,14 +157,16 @@ Chart success_chart(const std::vector<PairRow>& rows, const std::vector<BenchMet
   return chart;
 }
 
-Chart overlap_chart(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods, const std::string& title) {
+Chart overlap_chart(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods,
+                    const std::string& title) {
   constexpr int kBins = 10;
   constexpr double kLowest = 0.5;
   Chart chart;
   chart.title = title;
   chart.x.label = "overlap of the two scans at the true pose";
   chart.y.label = "success [%]";
-  chart.subtitle = "bins of 0.05, the first holds all below 0.55; at least 5 pairs each; whiskers: 95 % Wilson interval";
+  chart.subtitle =
+      "bins of 0.05, the first holds all below 0.55; at least 5 pairs each; whiskers: 95 % Wilson interval";
   chart.y.min = 0.0;
   chart.y.max = 103.0;
   for (std::size_t m = 0; m < methods.size(); ++m) {
@@ -170,14 +175,16 @@ Chart overlap_chart(const std::vector<PairOutcome>& outcomes, const std::vector<
     for (const PairOutcome* o : of_method(outcomes, m)) {
       if (!o->has_truth || !std::isfinite(o->overlap)) continue;
       const double place = (o->overlap - kLowest) / (1.0 - kLowest) * kBins;
-      const auto bin = static_cast<std::size_t>(std::clamp(place, 0.0, kBins - 1.0));  // less than the lowest counts in the first
+      const auto bin =
+          static_cast<std::size_t>(std::clamp(place, 0.0, kBins - 1.0));  // less than the lowest counts in the first
       ++n[bin];
       right[bin] += o->right;
     }
     for (std::size_t b = 0; b < n.size(); ++b) {
       if (n[b] < 5) continue;
       const Interval interval = wilson_interval(right[b], n[b]);
-      const double aside = 0.003 * (static_cast<double>(m) - 0.5 * static_cast<double>(methods.size() - 1));  // so that equals show
+      const double aside =
+          0.003 * (static_cast<double>(m) - 0.5 * static_cast<double>(methods.size() - 1));  // so that equals show
       s.x.push_back(kLowest + (static_cast<double>(b) + 0.5) * (1.0 - kLowest) / kBins + aside);
       s.y.push_back(100.0 * static_cast<double>(right[b]) / static_cast<double>(n[b]));
       s.low.push_back(100.0 * interval.low);
@@ -188,7 +195,8 @@ Chart overlap_chart(const std::vector<PairOutcome>& outcomes, const std::vector<
   return chart;
 }
 
-std::map<std::string, std::string> bench_figures(const BenchRun& run, const std::vector<BenchMethod>& methods, const BenchInfo& info) {
+std::map<std::string, std::string> bench_figures(const BenchRun& run, const std::vector<BenchMethod>& methods,
+                                                 const BenchInfo& info) {
   std::map<std::string, std::string> out;
   if (run.outcomes.empty()) return out;
   const std::vector<PairRow> rows = pair_rows(run.outcomes), totals = pair_totals(run.outcomes);
@@ -197,7 +205,8 @@ std::map<std::string, std::string> bench_figures(const BenchRun& run, const std:
   success.cell_width = 420.0;
   for (const std::string& dataset : datasets_in_order(run.outcomes)) {
     std::vector<PairRow> of_dataset;
-    std::copy_if(rows.begin(), rows.end(), std::back_inserter(of_dataset), [&](const PairRow& r) { return r.dataset == dataset; });
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(of_dataset),
+                 [&](const PairRow& r) { return r.dataset == dataset; });
     Chart chart = success_chart(of_dataset, methods, dataset);
     if (!chart.x.categories.empty()) success.charts.push_back(std::move(chart));
   }

@@ -32,15 +32,21 @@ Json moments_json(const Moments& m) {
 Json row_json(const PairRow& row, const std::vector<BenchMethod>& methods, const BenchInfo& info, double fft_ms) {
   Json out{{"dataset", row.dataset}, {"class", row.cls}, {"method", methods[row.method].name}, {"n", row.n}};
   if (row.with_truth > 0) {
-    out["success"] = {{"n", row.with_truth}, {"count", row.right}, {"share", row.success()},
-                      {"low", row.interval.low}, {"high", row.interval.high}};
+    out["success"] = {{"n", row.with_truth},
+                      {"count", row.right},
+                      {"share", row.success()},
+                      {"low", row.interval.low},
+                      {"high", row.interval.high}};
   } else {
     out["success"] = nullptr;
   }
-  out["honesty"] = {{"right_usable", row.right_usable}, {"right_refused", row.right_refused},
-                    {"wrong_refused", row.wrong_refused}, {"wrong_usable", row.wrong_usable}};
+  out["honesty"] = {{"right_usable", row.right_usable},
+                    {"right_refused", row.right_refused},
+                    {"wrong_refused", row.wrong_refused},
+                    {"wrong_usable", row.wrong_usable}};
   out["ambiguous"] = row.ambiguous;
-  out["errors"] = {{"x_m", moments_json(row.x_m)}, {"y_m", moments_json(row.y_m)}, {"rotation_deg", moments_json(row.rotation_deg)}};
+  out["errors"] = {
+      {"x_m", moments_json(row.x_m)}, {"y_m", moments_json(row.y_m)}, {"rotation_deg", moments_json(row.rotation_deg)}};
   out["nees_below_7_81"] = row.nees_below;
   out["times_the_bound"] = row.efficiency;
   if (row.weak > 0) {
@@ -72,12 +78,14 @@ Json row_json(const PairRow& row, const std::vector<BenchMethod>& methods, const
 std::string bench_json(const BenchRun& run, const std::vector<BenchMethod>& methods, const BenchInfo& info) {
   Json out{{"phasescan", info.version}, {"command", "bench"}, {"sources", info.sources}, {"pairs", run.pairs}};
   out["success_limits"] = {{"translation_m", kSuccessTranslation_m}, {"rotation_deg", kSuccessRotation_deg}};
-  if (info.times) out["timing"] = {{"fft_128_r2c_ms", run.fft_ms}, {"repeat", info.repeat}, {"clock", "CPU time of all threads"}};
+  if (info.times)
+    out["timing"] = {{"fft_128_r2c_ms", run.fft_ms}, {"repeat", info.repeat}, {"clock", "CPU time of all threads"}};
   for (const BenchMethod& method : methods) out["options"][method.name] = options_json(method.options);
   out["rows"] = Json::array();
   for (const PairRow& row : pair_rows(run.outcomes)) out["rows"].push_back(row_json(row, methods, info, run.fft_ms));
   out["totals"] = Json::array();
-  for (const PairRow& row : pair_totals(run.outcomes)) out["totals"].push_back(row_json(row, methods, info, run.fft_ms));
+  for (const PairRow& row : pair_totals(run.outcomes))
+    out["totals"].push_back(row_json(row, methods, info, run.fft_ms));
   return out.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

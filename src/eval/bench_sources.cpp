@@ -20,8 +20,8 @@ BenchPair simulate(const sim::PairGenerator& generator, std::size_t k) {
   BenchPair out;
   if (made.pair.truth) {
     const sim::RayCaster caster(made.world.shape);
-    out.information = sim::pair_information({&caster, &made.loose_ref}, {&caster, &made.loose_scan}, made.lidar, made.T_world_ref,
-                                            made.T_world_scan);
+    out.information = sim::pair_information({&caster, &made.loose_ref}, {&caster, &made.loose_scan}, made.lidar,
+                                            made.T_world_ref, made.T_world_scan);
   }
   out.pair = std::move(made.pair);
   return out;
@@ -43,7 +43,8 @@ PairSource file_source(const std::string& path) {
     if (!line) return std::nullopt;
     if (!line->pair) throw InputError(path, line->line, line->error);
     ScanPair& pair = *line->pair;
-    if (pair.cls.empty()) throw InputError(path, line->line, "no \"class\": expected small, middle, large, global, none or another name");
+    if (pair.cls.empty())
+      throw InputError(path, line->line, "no \"class\": expected small, middle, large, global, none or another name");
     if (!pair.truth && pair.cls != kNoneClass) {
       throw InputError(path, line->line, "no \"truth\": expected {\"x\", \"y\", \"theta\"} for every class but none");
     }

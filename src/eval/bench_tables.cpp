@@ -7,33 +7,46 @@
 namespace phasescan {
 namespace {
 
-std::string count(std::size_t n) { return fmt::format("{}", n); }
+std::string count(std::size_t n) {
+  return fmt::format("{}", n);
+}
 
 std::vector<std::string> row_names(const PairRow& row, const std::vector<BenchMethod>& methods) {
   return {row.dataset, row.cls, methods[row.method].name};
 }
 
 Table confidence_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods) {
-  Table table{"Confidence and covariance: AUC of confidence between right and wrong answers, expected calibration error (10 bins), "
-              "share of e' C^-1 e below 7.81 among usable answers (95 % is consistent)",
-              {"dataset", "class", "method", "n", "AUC", "ECE", "NEES < 7.81 [%]"}, {}, 3};
+  Table table{
+      "Confidence and covariance: AUC of confidence between right and wrong answers, expected calibration error (10 "
+      "bins), "
+      "share of e' C^-1 e below 7.81 among usable answers (95 % is consistent)",
+      {"dataset", "class", "method", "n", "AUC", "ECE", "NEES < 7.81 [%]"},
+      {},
+      3};
   for (const PairRow& row : rows) {
     std::vector<std::string> cells = row_names(row, methods);
-    cells.insert(cells.end(), {count(row.n), fixed(row.auc, 4), fixed(row.calibration_error, 4), percent(row.nees_below)});
+    cells.insert(cells.end(),
+                 {count(row.n), fixed(row.auc, 4), fixed(row.calibration_error, 4), percent(row.nees_below)});
     table.rows.push_back(std::move(cells));
   }
   return table;
 }
 
 Table bound_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods) {
-  Table table{"Against what the ranges hold: sqrt(mean(e' J e) / 3) over successes (1 is the Cramer-Rao bound); weak pairs leave "
-              "sigma > 0.05 m in some direction, there `ambiguous` is the right answer",
-              {"dataset", "class", "method", "n", "times the bound", "weak pairs", "called ambiguous [%]", "across < 0.1 m [%]"}, {}, 3};
+  Table table{
+      "Against what the ranges hold: sqrt(mean(e' J e) / 3) over successes (1 is the Cramer-Rao bound); weak pairs "
+      "leave "
+      "sigma > 0.05 m in some direction, there `ambiguous` is the right answer",
+      {"dataset", "class", "method", "n", "times the bound", "weak pairs", "called ambiguous [%]",
+       "across < 0.1 m [%]"},
+      {},
+      3};
   for (const PairRow& row : rows) {
     const double weak = static_cast<double>(row.weak);
     std::vector<std::string> cells = row_names(row, methods);
     cells.insert(cells.end(), {count(row.n), fixed(row.efficiency, 2), count(row.weak),
-                               percent(static_cast<double>(row.weak_ambiguous) / weak), percent(static_cast<double>(row.weak_across) / weak)});
+                               percent(static_cast<double>(row.weak_ambiguous) / weak),
+                               percent(static_cast<double>(row.weak_across) / weak)});
     table.rows.push_back(std::move(cells));
   }
   return table;
@@ -41,7 +54,9 @@ Table bound_table(const std::vector<PairRow>& rows, const std::vector<BenchMetho
 
 Table shortcut_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods) {
   Table table{"Missing-data shortcut: how often the rotation came from it, and how often the match was then right",
-              {"dataset", "class", "method", "n", "used [%]", "right when used [%]"}, {}, 3};
+              {"dataset", "class", "method", "n", "used [%]", "right when used [%]"},
+              {},
+              3};
   for (const PairRow& row : rows) {
     const std::size_t used = row.rotation_sources[static_cast<std::size_t>(RotationSource::kMissingData)];
     if (used == 0) continue;
@@ -56,16 +71,20 @@ Table shortcut_table(const std::vector<PairRow>& rows, const std::vector<BenchMe
 }  // namespace
 
 Table success_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods) {
-  Table table{"Success: pose within 0.1 m and 3 deg of the truth, whatever the method says of itself, with its 95 % Wilson interval; "
-              "then what it said of itself",
-              {"dataset", "class", "method", "n", "success [%]", "95 % interval", "right & usable", "right & refused",
-               "wrong & refused", "wrong & usable"}, {}, 3};
+  Table table{
+      "Success: pose within 0.1 m and 3 deg of the truth, whatever the method says of itself, with its 95 % Wilson "
+      "interval; "
+      "then what it said of itself",
+      {"dataset", "class", "method", "n", "success [%]", "95 % interval", "right & usable", "right & refused",
+       "wrong & refused", "wrong & usable"},
+      {},
+      3};
   for (const PairRow& row : rows) {
     std::vector<std::string> cells = row_names(row, methods);
     const std::string interval =
         row.with_truth > 0 ? fmt::format("{} - {}", percent(row.interval.low), percent(row.interval.high)) : "-";
-    cells.insert(cells.end(), {count(row.n), percent(row.success()), interval, count(row.right_usable), count(row.right_refused),
-                               count(row.wrong_refused), count(row.wrong_usable)});
+    cells.insert(cells.end(), {count(row.n), percent(row.success()), interval, count(row.right_usable),
+                               count(row.right_refused), count(row.wrong_refused), count(row.wrong_usable)});
     table.rows.push_back(std::move(cells));
   }
   return table;
@@ -73,8 +92,10 @@ Table success_table(const std::vector<PairRow>& rows, const std::vector<BenchMet
 
 Table error_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods) {
   Table table{"Errors over the successes: mean of the absolute error, its variance, standard deviation and median",
-              {"dataset", "class", "method", "x mean [m]", "x var", "x std", "x median", "y mean [m]", "y var", "y std", "y median",
-               "rot mean [deg]", "rot var", "rot std", "rot median"}, {}, 3};
+              {"dataset", "class", "method", "x mean [m]", "x var", "x std", "x median", "y mean [m]", "y var", "y std",
+               "y median", "rot mean [deg]", "rot var", "rot std", "rot median"},
+              {},
+              3};
   for (const PairRow& row : rows) {
     std::vector<std::string> cells = row_names(row, methods);
     for (const Moments* m : {&row.x_m, &row.y_m}) {
@@ -88,15 +109,19 @@ Table error_table(const std::vector<PairRow>& rows, const std::vector<BenchMetho
 }
 
 Table time_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods, double fft_ms) {
-  Table table{fmt::format("CPU time per match [ms], all threads, from raw ranges of both scans; one 128 x 128 float FFT took {} ms in the "
+  Table table{fmt::format("CPU time per match [ms], all threads, from raw ranges of both scans; one 128 x 128 float "
+                          "FFT took {} ms in the "
                           "same process",
                           fixed(fft_ms, 4)),
-              {"dataset", "class", "method", "mean", "p50", "p95", "p99", "p50 in FFTs", "image", "missing", "rotation", "translation",
-               "refine"}, {}, 3};
+              {"dataset", "class", "method", "mean", "p50", "p95", "p99", "p50 in FFTs", "image", "missing", "rotation",
+               "translation", "refine"},
+              {},
+              3};
   for (const PairRow& row : rows) {
     std::vector<std::string> cells = row_names(row, methods);
     const TimeRow& t = row.times[0];
-    cells.insert(cells.end(), {fixed(t.mean, 3), fixed(t.p50, 3), fixed(t.p95, 3), fixed(t.p99, 3), fixed(t.p50 / fft_ms, 1)});
+    cells.insert(cells.end(),
+                 {fixed(t.mean, 3), fixed(t.p50, 3), fixed(t.p95, 3), fixed(t.p99, 3), fixed(t.p50 / fft_ms, 1)});
     for (std::size_t s = 1; s < row.times.size(); ++s) cells.push_back(fixed(row.times[s].p50, 3));
     table.rows.push_back(std::move(cells));
   }

@@ -11,7 +11,8 @@ namespace phasescan {
 namespace {
 
 /// Share of the points p that lie near one of the points q; gates[i] belongs to q_i, squared [m^2].
-double share_near(const ScanPoints& p, const Pose2& T_q_p, const ScanPoints& q, const std::vector<float>& squared_gates) {
+double share_near(const ScanPoints& p, const Pose2& T_q_p, const ScanPoints& q,
+                  const std::vector<float>& squared_gates) {
   std::size_t near = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const Eigen::Vector2f at = (T_q_p * Eigen::Vector2d(p.x[i], p.y[i])).cast<float>();
@@ -55,7 +56,9 @@ void judge_by_information(const Eigen::Matrix3d& information, const Eigen::Vecto
 
 }  // namespace
 
-double PairOutcome::translation_error() const { return std::hypot(error_x, error_y); }
+double PairOutcome::translation_error() const {
+  return std::hypot(error_x, error_y);
+}
 
 PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t method, double overlap,
                   const std::optional<Eigen::Matrix3d>& information) {
@@ -74,7 +77,8 @@ PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t m
   out.error_x = result.T_ref_scan.x - pair.truth->x;
   out.error_y = result.T_ref_scan.y - pair.truth->y;
   out.error_theta = wrap_angle(result.T_ref_scan.theta - pair.truth->theta);
-  out.right = out.translation_error() < kSuccessTranslation_m && std::abs(out.error_theta) < deg_to_rad(kSuccessRotation_deg);
+  out.right =
+      out.translation_error() < kSuccessTranslation_m && std::abs(out.error_theta) < deg_to_rad(kSuccessRotation_deg);
   const Eigen::Vector3d e(out.error_x, out.error_y, out.error_theta);
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(result.covariance);
   if (lu.isInvertible()) out.nees = e.dot(lu.solve(e));

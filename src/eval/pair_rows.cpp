@@ -21,7 +21,8 @@ std::size_t method_count(const std::vector<PairOutcome>& outcomes) {
 
 /// Outcomes sorted into `cells` boxes; those for which `cell` gives `cells` or more are left out.
 template <class Cell>
-std::vector<std::vector<const PairOutcome*>> sort_into(const std::vector<PairOutcome>& outcomes, std::size_t cells, Cell cell) {
+std::vector<std::vector<const PairOutcome*>> sort_into(const std::vector<PairOutcome>& outcomes, std::size_t cells,
+                                                       Cell cell) {
   std::vector<std::vector<const PairOutcome*>> boxes(cells);
   for (const PairOutcome& o : outcomes) {
     const std::size_t at = cell(o);
@@ -37,7 +38,8 @@ std::array<double, 6> step_ms(const MatchTimes& ms) {
 }
 
 double PairRow::success() const {
-  return with_truth > 0 ? static_cast<double>(right) / static_cast<double>(with_truth) : std::numeric_limits<double>::quiet_NaN();
+  return with_truth > 0 ? static_cast<double>(right) / static_cast<double>(with_truth)
+                        : std::numeric_limits<double>::quiet_NaN();
 }
 
 PairRow sum_up(std::span<const PairOutcome* const> outcomes) {
@@ -55,7 +57,8 @@ PairRow sum_up(std::span<const PairOutcome* const> outcomes) {
   for (const PairOutcome* o : outcomes) {
     row.with_truth += o->has_truth;
     row.right += o->right;
-    (o->right ? (o->usable ? row.right_usable : row.right_refused) : (o->usable ? row.wrong_usable : row.wrong_refused)) += 1;
+    (o->right ? (o->usable ? row.right_usable : row.right_refused)
+              : (o->usable ? row.wrong_usable : row.wrong_refused)) += 1;
     row.ambiguous += o->ambiguous;
     if (o->right) {
       x.push_back(std::abs(o->error_x));
@@ -87,9 +90,11 @@ PairRow sum_up(std::span<const PairOutcome* const> outcomes) {
   row.with_confidence = judgements.size();
   row.auc = area_under_roc(judgements);
   row.calibration_error = calibration_error(judgements);
-  row.nees_below = nees_n > 0 ? static_cast<double>(nees_inside) / static_cast<double>(nees_n) : std::numeric_limits<double>::quiet_NaN();
+  row.nees_below = nees_n > 0 ? static_cast<double>(nees_inside) / static_cast<double>(nees_n)
+                              : std::numeric_limits<double>::quiet_NaN();
   for (std::size_t s = 0; s < times.size(); ++s) {
-    row.times[s] = {moments(times[s]).mean, quantile(times[s], 0.5), quantile(times[s], 0.95), quantile(times[s], 0.99)};
+    row.times[s] = {moments(times[s]).mean, quantile(times[s], 0.5), quantile(times[s], 0.95),
+                    quantile(times[s], 0.99)};
   }
   return row;
 }
@@ -142,9 +147,11 @@ std::vector<PairRow> pair_totals(const std::vector<PairOutcome>& outcomes) {
     }
   };
   add(sort_into(outcomes, datasets.size() * methods,
-                [&](const PairOutcome& o) { return place_of(datasets, o.dataset) * methods + o.method; }), false, true);
+                [&](const PairOutcome& o) { return place_of(datasets, o.dataset) * methods + o.method; }),
+      false, true);
   add(sort_into(outcomes, classes.size() * methods,
-                [&](const PairOutcome& o) { return place_of(classes, o.cls) * methods + o.method; }), true, false);
+                [&](const PairOutcome& o) { return place_of(classes, o.cls) * methods + o.method; }),
+      true, false);
   add(sort_into(outcomes, methods, [&](const PairOutcome& o) { return o.method; }), true, true);
   return rows;
 }

@@ -29,8 +29,10 @@ PaperKit::PaperKit(const PaperOptions& given)
     : options(given),
       printed(strict_options()),
       report("FFT-based scan matching, repeated",
-             fmt::format("phasescan {}, seed {}{}. Every experiment of Jiang, Yin, Liu, Xi and Ou, FFT-Based Scan-Matching for SLAM "
-                         "Applications with Low-Cost Laser Range Finders, Appl. Sci. 2019, 9(1), 41, on simulated RPLidar A1 data: "
+             fmt::format("phasescan {}, seed {}{}. Every experiment of Jiang, Yin, Liu, Xi and Ou, FFT-Based "
+                         "Scan-Matching for SLAM "
+                         "Applications with Low-Cost Laser Range Finders, Appl. Sci. 2019, 9(1), 41, on simulated "
+                         "RPLidar A1 data: "
                          "the methods as printed, and with this project's defaults.",
                          given.version, given.seed, given.quick ? ", quick run" : "")) {}
 
@@ -50,8 +52,9 @@ MatchOptions PaperKit::method(Variant variant, MatchMethod method) const {
 }
 
 std::vector<BenchMethod> PaperKit::methods(Variant variant) const {
-  return bench_methods(variant == Variant::kPrinted ? "icp,ndt,fft,fft-icp1,fft-icp2" : "icp,ndt,fft,fft-icp1,fft-icp2,fft-mh",
-                       options_of(variant));
+  return bench_methods(
+      variant == Variant::kPrinted ? "icp,ndt,fft,fft-icp1,fft-icp2" : "icp,ndt,fft,fft-icp1,fft-icp2,fft-mh",
+      options_of(variant));
 }
 
 PaperPairs paper_pairs(const PaperOptions& options) {
@@ -69,10 +72,13 @@ PaperFiles run_paper(const PaperOptions& options, const std::function<void(std::
   };
   PaperKit kit(options);
   const PaperPairs pairs = paper_pairs(options);
-  kit.report.bullets({"As printed: configs/paper-strict.yaml. Where the paper is silent (twin at 180 degrees, peak interpolation, NDT's "
-                      "settings) docs/method.md says what was chosen.",
-                      "This project's defaults: the same methods with the choices that work best; fft-mh is this project's own matcher.",
-                      "The paper used a real robot and hand-measured poses; here the scenes are simulated and the truth is exact."});
+  kit.report.bullets(
+      {"As printed: configs/paper-strict.yaml. Where the paper is silent (twin at 180 degrees, peak interpolation, "
+       "NDT's "
+       "settings) docs/method.md says what was chosen.",
+       "This project's defaults: the same methods with the choices that work best; fft-mh is this project's own "
+       "matcher.",
+       "The paper used a real robot and hand-measured poses; here the scenes are simulated and the truth is exact."});
   begin("images and missing data (Fig. 2, 3)");
   paper_images(kit, pairs);
   begin("stability of the missing-data features");

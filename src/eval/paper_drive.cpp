@@ -15,8 +15,8 @@ constexpr double kLength_m = 8.0;
 constexpr std::size_t kEveryScan = 1;
 constexpr std::size_t kOncePerSecond = 6;  // 5.5 scans a second
 
-/// Speed and the turn rate that goes with it: up to 0.3 m/s in the proportion of the paper's Fig. 12 (25 deg/s at 0.3 m/s), beyond
-/// that on to 180 deg/s at 1 m/s.
+/// Speed and the turn rate that goes with it: up to 0.3 m/s in the proportion of the paper's Fig. 12 (25 deg/s at 0.3
+/// m/s), beyond that on to 180 deg/s at 1 m/s.
 struct Pace {
   double speed_mps, turn_rate_dps;
 };
@@ -29,8 +29,10 @@ struct Runner {
 };
 
 std::vector<Runner> runners() {
-  return {{"icp", Variant::kPrinted, MatchMethod::kIcp},   {"fft-icp2", Variant::kPrinted, MatchMethod::kFftIcp2},
-          {"icp", Variant::kOurs, MatchMethod::kIcp},      {"fft-icp2", Variant::kOurs, MatchMethod::kFftIcp2},
+  return {{"icp", Variant::kPrinted, MatchMethod::kIcp},
+          {"fft-icp2", Variant::kPrinted, MatchMethod::kFftIcp2},
+          {"icp", Variant::kOurs, MatchMethod::kIcp},
+          {"fft-icp2", Variant::kOurs, MatchMethod::kFftIcp2},
           {"fft-mh", Variant::kOurs, MatchMethod::kFftMh},
           {"fft-mh, motion removed", Variant::kOurs, MatchMethod::kFftMh, true}};
 }
@@ -52,7 +54,8 @@ Series styled(const std::string& name) {
 Chart trajectory_chart(const Experiment& all, std::size_t pace, std::size_t stride, Variant variant) {
   Chart chart;
   const RecordedDrive& drive = all.drives[pace];
-  chart.title = fmt::format("{} m/s, {} deg/s, {}", plain_number(drive.speed_mps, 2), plain_number(drive.turn_rate_dps, 1), variant_name(variant));
+  chart.title = fmt::format("{} m/s, {} deg/s, {}", plain_number(drive.speed_mps, 2),
+                            plain_number(drive.turn_rate_dps, 1), variant_name(variant));
   chart.x.label = "x [m]";
   chart.y.label = "y [m]";
   chart.equal = true;
@@ -91,7 +94,8 @@ Chart trajectory_chart(const Experiment& all, std::size_t pace, std::size_t stri
 Chart error_chart(const Experiment& all, std::size_t pace, std::size_t stride, Variant variant) {
   Chart chart;
   const RecordedDrive& drive = all.drives[pace];
-  chart.title = fmt::format("{} m/s, {} deg/s, {}", plain_number(drive.speed_mps, 2), plain_number(drive.turn_rate_dps, 1), variant_name(variant));
+  chart.title = fmt::format("{} m/s, {} deg/s, {}", plain_number(drive.speed_mps, 2),
+                            plain_number(drive.turn_rate_dps, 1), variant_name(variant));
   chart.x.label = "time [s]";
   chart.y.label = "position error [m]";
   chart.y.log = true;
@@ -111,7 +115,8 @@ Chart error_chart(const Experiment& all, std::size_t pace, std::size_t stride, V
 }
 
 template <class Value>
-Chart by_speed_chart(const Experiment& all, std::size_t stride, Variant variant, const std::string& title, const std::string& label, Value value) {
+Chart by_speed_chart(const Experiment& all, std::size_t stride, Variant variant, const std::string& title,
+                     const std::string& label, Value value) {
   Chart chart;
   chart.title = title;
   chart.x.label = "speed [m/s]";
@@ -134,7 +139,9 @@ Chart by_speed_chart(const Experiment& all, std::size_t stride, Variant variant,
   return chart;
 }
 
-const char* protocol(std::size_t stride) { return stride == kEveryScan ? "every scan matched" : "one match a second"; }
+const char* protocol(std::size_t stride) {
+  return stride == kEveryScan ? "every scan matched" : "one match a second";
+}
 
 void summary_figure(PaperKit& kit, const Experiment& all) {
   Figure figure, rough;
@@ -143,30 +150,34 @@ void summary_figure(PaperKit& kit, const Experiment& all) {
   for (const std::size_t stride : {kEveryScan, kOncePerSecond}) {
     for (const Variant variant : {Variant::kPrinted, Variant::kOurs}) {
       const std::string title = fmt::format("{}, {}", protocol(stride), variant_name(variant));
-      Chart error = by_speed_chart(all, stride, variant, title, "largest error [m]", [](const Track& t) { return t.max_error(); });
+      Chart error = by_speed_chart(all, stride, variant, title, "largest error [m]",
+                                   [](const Track& t) { return t.max_error(); });
       error.y.min = 0.005;
       error.y.max = 20.0;
       figure.charts.push_back(std::move(error));
       if (stride != kEveryScan) continue;
-      Chart roughness = by_speed_chart(all, stride, variant, title, "roughness [mm]", [](const Track& t) { return 1e3 * t.roughness(); });
+      Chart roughness = by_speed_chart(all, stride, variant, title, "roughness [mm]",
+                                       [](const Track& t) { return 1e3 * t.roughness(); });
       roughness.y.min = 1.0;
       roughness.y.max = 2000.0;
       rough.charts.push_back(std::move(roughness));
     }
   }
-  kit.figure("fig11_error_by_speed", figure.svg(), fmt::format("Fig. 11: largest position error on {} m of way against speed.", plain_number(kLength_m, 0)));
+  kit.figure("fig11_error_by_speed", figure.svg(),
+             fmt::format("Fig. 11: largest position error on {} m of way against speed.", plain_number(kLength_m, 0)));
   kit.figure("fig11_roughness", rough.svg(),
-             "Roughness (root mean square of the second difference of the position error): a smooth curve of the true shape has 0. Sec. 5.4 "
+             "Roughness (root mean square of the second difference of the position error): a smooth curve of the true "
+             "shape has 0. Sec. 5.4 "
              "claims smoother curves for the FFT method under vibration.");
 }
 
 }  // namespace
 
 void paper_drive(PaperKit& kit) {
-  const std::vector<Pace> paces = kit.options.quick
-                                      ? std::vector<Pace>{{0.15, 12.5}, {0.2, 16.7}, {0.3, 25.0}, {1.0, 180.0}}
-                                      : std::vector<Pace>{{0.05, 4.2}, {0.1, 8.3}, {0.15, 12.5}, {0.2, 16.7}, {0.25, 20.8},
-                                                          {0.3, 25.0}, {0.5, 60.0}, {0.75, 120.0}, {1.0, 180.0}};
+  const std::vector<Pace> paces =
+      kit.options.quick ? std::vector<Pace>{{0.15, 12.5}, {0.2, 16.7}, {0.3, 25.0}, {1.0, 180.0}}
+                        : std::vector<Pace>{{0.05, 4.2}, {0.1, 8.3},  {0.15, 12.5},  {0.2, 16.7}, {0.25, 20.8},
+                                            {0.3, 25.0}, {0.5, 60.0}, {0.75, 120.0}, {1.0, 180.0}};
   Experiment all;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const Pace& pace : paces) {
@@ -174,11 +185,16 @@ void paper_drive(PaperKit& kit) {
     all.tracks.emplace_back();
     for (const std::size_t stride : {kEveryScan, kOncePerSecond}) {
       for (const Runner& runner : runners()) {
-        all.tracks.back()[stride].push_back(chain_matches(all.drives.back(), kit.method(runner.variant, runner.method), stride, runner.deskew));
+        all.tracks.back()[stride].push_back(
+            chain_matches(all.drives.back(), kit.method(runner.variant, runner.method), stride, runner.deskew));
         const Track& track = all.tracks.back()[stride].back();
-        json.push_back({{"speed_mps", pace.speed_mps}, {"turn_rate_dps", pace.turn_rate_dps}, {"every_nth_scan", stride},
-                        {"method", runner.name}, {"variant", runner.variant == Variant::kPrinted ? "printed" : "defaults"},
-                        {"largest_error_m", track.max_error()}, {"last_error_m", track.position_errors().back()},
+        json.push_back({{"speed_mps", pace.speed_mps},
+                        {"turn_rate_dps", pace.turn_rate_dps},
+                        {"every_nth_scan", stride},
+                        {"method", runner.name},
+                        {"variant", runner.variant == Variant::kPrinted ? "printed" : "defaults"},
+                        {"largest_error_m", track.max_error()},
+                        {"last_error_m", track.position_errors().back()},
                         {"roughness_m", track.roughness()}});
       }
     }
@@ -187,10 +203,14 @@ void paper_drive(PaperKit& kit) {
 
   kit.report.heading("Fig. 11: dynamic localisation");
   kit.report.paragraph(fmt::format(
-      "An A1 (5.5 turns a second, 360 beams cast one after the other while it moves) is driven {} m through a flat, always the same way, "
-      "vibrating by 3 mm and 0.5 deg. Its pose is the chain of matches, each scan against the one before, whatever a match says of itself; "
-      "nothing else helps; \"motion removed\" takes the motion of the step before out of both scans. The paper does not say how often it matched: at every scan the motion between two scans is a few centimetres, so "
-      "one match a second is shown too.", plain_number(kLength_m, 0)));
+      "An A1 (5.5 turns a second, 360 beams cast one after the other while it moves) is driven {} m through a flat, "
+      "always the same way, "
+      "vibrating by 3 mm and 0.5 deg. Its pose is the chain of matches, each scan against the one before, whatever a "
+      "match says of itself; "
+      "nothing else helps; \"motion removed\" takes the motion of the step before out of both scans. The paper does "
+      "not say how often it matched: at every scan the motion between two scans is a few centimetres, so "
+      "one match a second is shown too.",
+      plain_number(kLength_m, 0)));
   summary_figure(kit, all);
   Figure trajectories, errors;
   trajectories.cell_width = trajectories.cell_height = 360.0;

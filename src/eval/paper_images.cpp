@@ -51,8 +51,8 @@ Series hits(const Scan& scan, std::string_view color, double diameter) {
   return s;
 }
 
-/// A sector of the sensor's view as a closed outline that a band can fill: its upper and lower edge would cross, so it is drawn
-/// as many thin rays.
+/// A sector of the sensor's view as a closed outline that a band can fill: its upper and lower edge would cross, so it
+/// is drawn as many thin rays.
 Series sector(const MissingRun& run, double radius) {
   Series s;
   s.color = palette::kOrange;
@@ -76,11 +76,13 @@ void limit(Chart& chart, double reach) {
 MissingFeatures features(const Scan& scan, const MatchOptions& options) {
   MissingFinder finder;
   MissingFeatures out;
-  finder.find(scan, options.missing.beyond_dmax ? options.image.dmax_m : 0.0, deg_to_rad(options.missing.min_width_deg), out);
+  finder.find(scan, options.missing.beyond_dmax ? options.image.dmax_m : 0.0, deg_to_rad(options.missing.min_width_deg),
+              out);
   return out;
 }
 
-/// Among the first pairs in corridors, where much is out of range, the one whose reference misses most: the paper's Fig. 3.
+/// Among the first pairs in corridors, where much is out of range, the one whose reference misses most: the paper's
+/// Fig. 3.
 sim::SimulatedPair pair_with_most_missing(const PaperKit& kit, const PaperPairs& pairs) {
   std::optional<sim::SimulatedPair> best;
   double most = -1.0;
@@ -167,7 +169,8 @@ void paper_images(PaperKit& kit, const PaperPairs& pairs) {
   figure.charts = {scene, raw, image_chart(scan, kit.printed, kit.printed.image.size, "(c) Scan image as printed"),
                    image_chart(scan, kit.ours, kit.ours.image.size, "(d) Scan image, our defaults")};
   kit.figure("fig02_scan_image", figure.svg(),
-             "Fig. 2: a simulated A1 in a corridor, its raw data and its scan image. Our image reaches farther and is blurred by a "
+             "Fig. 2: a simulated A1 in a corridor, its raw data and its scan image. Our image reaches farther and is "
+             "blurred by a "
              "pixel.");
 
   Figure third;
@@ -187,16 +190,19 @@ void paper_images(PaperKit& kit, const PaperPairs& pairs) {
       chart.series.push_back(sector(f.runs[i], 6.0));
       if (i == 0) chart.series.back().name = "missing-data feature";
       const double at = f.runs[i].centre();
-      chart.notes.push_back({4.2 * std::cos(at), 4.2 * std::sin(at),
-                             fmt::format("{} / {} deg", plain_number(rad_to_deg(at), 0), plain_number(rad_to_deg(f.runs[i].width), 0)),
-                             {10.0, TextAnchor::kMiddle, std::string(palette::kInk), true}});
+      chart.notes.push_back(
+          {4.2 * std::cos(at),
+           4.2 * std::sin(at),
+           fmt::format("{} / {} deg", plain_number(rad_to_deg(at), 0), plain_number(rad_to_deg(f.runs[i].width), 0)),
+           {10.0, TextAnchor::kMiddle, std::string(palette::kInk), true}});
     }
     chart.series.push_back(hits(scan, palette::kInk, 2.6));
     chart.series.back().name = "hits";
     third.charts.push_back(std::move(chart));
   }
   kit.figure("fig03_missing_data", third.svg(),
-             "Fig. 3: the missing-data features (centre / width) of the same scan. As printed, a return beyond dmax counts as missing.");
+             "Fig. 3: the missing-data features (centre / width) of the same scan. As printed, a return beyond dmax "
+             "counts as missing.");
 }
 
 void paper_stability(PaperKit& kit, const PaperPairs& pairs) {
@@ -250,9 +256,13 @@ void paper_stability(PaperKit& kit, const PaperPairs& pairs) {
     Series accepted{SeriesKind::kLine, "accepted (of all pairs)", {}, {}};
     Series kept{SeriesKind::kLine, "accepted ones within 5 deg", {}, {}};
     band.color = median.color = palette::kBlue;
-    usable.color = palette::kGrey, first.color = palette::kBlue, accepted.color = palette::kOrange, kept.color = palette::kGreen;
-    usable.marker = Marker::kDiamond, first.marker = Marker::kCircle, accepted.marker = Marker::kSquare, kept.marker = Marker::kTriangle;
-    const auto ratio = [](std::size_t a, std::size_t b) { return b > 0 ? 100.0 * static_cast<double>(a) / static_cast<double>(b) : std::nan(""); };
+    usable.color = palette::kGrey, first.color = palette::kBlue, accepted.color = palette::kOrange,
+    kept.color = palette::kGreen;
+    usable.marker = Marker::kDiamond, first.marker = Marker::kCircle, accepted.marker = Marker::kSquare,
+    kept.marker = Marker::kTriangle;
+    const auto ratio = [](std::size_t a, std::size_t b) {
+      return b > 0 ? 100.0 * static_cast<double>(a) / static_cast<double>(b) : std::nan("");
+    };
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (std::size_t i = 0; i < kBins; ++i) {
       const Cell& cell = cells[i];
@@ -270,8 +280,12 @@ void paper_stability(PaperKit& kit, const PaperPairs& pairs) {
       first.y.push_back(ratio(cell.first_right, cell.large_enough));
       accepted.y.push_back(ratio(cell.accepted, cell.n));
       kept.y.push_back(ratio(cell.accepted_right, cell.accepted));
-      rows.push_back({{"distance_m", x}, {"pairs", cell.n}, {"large_enough", cell.large_enough}, {"best_within_5_deg", cell.first_right},
-                      {"accepted", cell.accepted}, {"accepted_within_5_deg", cell.accepted_right},
+      rows.push_back({{"distance_m", x},
+                      {"pairs", cell.n},
+                      {"large_enough", cell.large_enough},
+                      {"best_within_5_deg", cell.first_right},
+                      {"accepted", cell.accepted},
+                      {"accepted_within_5_deg", cell.accepted_right},
                       {"median_error_at_truth", quantile(cell.error_at_truth, 0.5)}});
     }
     json[variant == Variant::kPrinted ? "printed" : "defaults"] = rows;
@@ -281,11 +295,14 @@ void paper_stability(PaperKit& kit, const PaperPairs& pairs) {
     figure.charts.push_back(std::move(share));
   }
   kit.report.heading("How stable are the missing-data features?");
-  kit.report.paragraph("The features are what the sensor does not see, so they change as it moves. Left: the error of Eq. 7 at the true "
-                       "rotation, which would be 0 if the features only turned. Right: how often the shortcut is offered and how often it "
-                       "is right.");
-  kit.figure("missing_data_stability", figure.svg(),
-             "Missing-data features against the distance between the two poses, all scenes; any rotation in class global.");
+  kit.report.paragraph(
+      "The features are what the sensor does not see, so they change as it moves. Left: the error of Eq. 7 at the true "
+      "rotation, which would be 0 if the features only turned. Right: how often the shortcut is offered and how often "
+      "it "
+      "is right.");
+  kit.figure(
+      "missing_data_stability", figure.svg(),
+      "Missing-data features against the distance between the two poses, all scenes; any rotation in class global.");
   kit.data("missing_data_stability", json);
 }
 

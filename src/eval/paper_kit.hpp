@@ -34,7 +34,9 @@ struct PaperKit {
   std::vector<BenchMethod> methods(Variant variant) const;
 };
 
-inline const char* variant_name(Variant variant) { return variant == Variant::kPrinted ? "as printed" : "this project's defaults"; }
+inline const char* variant_name(Variant variant) {
+  return variant == Variant::kPrinted ? "as printed" : "this project's defaults";
+}
 
 /// A simulated pair with the world it comes from, for the figures of single pairs.
 struct PaperPairs {

@@ -37,13 +37,15 @@ Frame frame_of(const RecordedDrive& drive) {
   return {center.x() - side / 2.0, center.y() - side / 2.0, static_cast<int>(std::ceil(side / kCell_m))};
 }
 
-Chart map_chart(const RecordedDrive& drive, std::size_t stride, const std::vector<Pose2>& poses, const std::vector<Pose2>& truth, const Frame& frame,
-                const std::string& title) {
+Chart map_chart(const RecordedDrive& drive, std::size_t stride, const std::vector<Pose2>& poses,
+                const std::vector<Pose2>& truth, const Frame& frame, const std::string& title) {
   std::vector<float> hits(static_cast<std::size_t>(frame.cells) * static_cast<std::size_t>(frame.cells), 0.0F);
   for_each_hit(drive, stride, poses, [&](const Eigen::Vector2d& p) {
-    const int col = static_cast<int>(std::floor((p.x() - frame.x0) / kCell_m)), row = static_cast<int>(std::floor((p.y() - frame.y0) / kCell_m));
+    const int col = static_cast<int>(std::floor((p.x() - frame.x0) / kCell_m)),
+              row = static_cast<int>(std::floor((p.y() - frame.y0) / kCell_m));
     if (col < 0 || row < 0 || col >= frame.cells || row >= frame.cells) return;
-    hits[static_cast<std::size_t>(frame.cells - 1 - row) * static_cast<std::size_t>(frame.cells) + static_cast<std::size_t>(col)] += 1.0F;
+    hits[static_cast<std::size_t>(frame.cells - 1 - row) * static_cast<std::size_t>(frame.cells) +
+         static_cast<std::size_t>(col)] += 1.0F;
   });
   Chart chart;
   chart.title = title;
@@ -86,8 +88,10 @@ Chart map_chart(const RecordedDrive& drive, std::size_t stride, const std::vecto
 
 void paper_maps(PaperKit& kit) {
   kit.report.heading("Fig. 12: maps straight from scans");
-  kit.report.paragraph("A tour at up to 0.3 m/s and 25 deg/s; every hit is drawn at the pose that the chain of matches gives. No filter, no loop "
-                       "closing, no motion correction.");
+  kit.report.paragraph(
+      "A tour at up to 0.3 m/s and 25 deg/s; every hit is drawn at the pose that the chain of matches gives. No "
+      "filter, no loop "
+      "closing, no motion correction.");
   const RecordedDrive drive = drive_tour(kit.options.seed + 1, 0.3, 25.0, kit.options.quick ? 8.0 : 16.0);
   const Frame frame = frame_of(drive);
   for (const std::size_t stride : {std::size_t{1}, std::size_t{6}}) {
@@ -99,8 +103,9 @@ void paper_maps(PaperKit& kit) {
     for (std::size_t i = 0; i < drive.truth.size(); i += stride) truth.push_back(drive.truth[i]);
     const auto add = [&](Variant variant, MatchMethod method) {
       const Track track = chain_matches(drive, kit.method(variant, method), stride);
-      figure.charts.push_back(map_chart(drive, stride, track.estimate, track.truth, frame,
-                                        fmt::format("{}, {}", to_string(method), variant == Variant::kPrinted ? "as printed" : "defaults")));
+      figure.charts.push_back(map_chart(
+          drive, stride, track.estimate, track.truth, frame,
+          fmt::format("{}, {}", to_string(method), variant == Variant::kPrinted ? "as printed" : "defaults")));
     };
     add(Variant::kPrinted, MatchMethod::kNdt);
     add(Variant::kPrinted, MatchMethod::kFftIcp2);
@@ -109,7 +114,8 @@ void paper_maps(PaperKit& kit) {
     add(Variant::kOurs, MatchMethod::kFftIcp2);
     add(Variant::kOurs, MatchMethod::kFftMh);
     kit.figure(stride == 1 ? "fig12_maps_every_scan" : "fig12_maps_once_a_second", figure.svg(),
-               fmt::format("Fig. 12: maps and paths, {}.", stride == 1 ? "every scan matched with the one before" : "one match a second"));
+               fmt::format("Fig. 12: maps and paths, {}.",
+                           stride == 1 ? "every scan matched with the one before" : "one match a second"));
   }
 }
 

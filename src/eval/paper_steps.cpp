@@ -91,15 +91,19 @@ void paper_steps(PaperKit& kit, const PaperPairs& pairs) {
   eighth.charts.push_back(panel(stepped, steps.by_icp, "(d) Refined by ICP"));
   kit.figure("fig08_steps", eighth.svg(),
              "Fig. 8: fft-icp2 step by step on pair " + stepped.id +
-                 ", the first of the large class whose rotation the missing data give. As in the paper this works in certain scenes only.");
+                 ", the first of the large class whose rotation the missing data give. As in the paper this works in "
+                 "certain scenes only.");
 
   kit.report.heading("Fig. 9: one pair, five methods");
   std::vector<ScanMatcher> printed, ours;
-  const std::vector<BenchMethod> printed_methods = kit.methods(Variant::kPrinted), our_methods = kit.methods(Variant::kOurs);
+  const std::vector<BenchMethod> printed_methods = kit.methods(Variant::kPrinted),
+                                 our_methods = kit.methods(Variant::kOurs);
   for (const BenchMethod& m : printed_methods) printed.emplace_back(m.options);
   for (const BenchMethod& m : our_methods) ours.emplace_back(m.options);
   const ScanPair shown = first_large_pair(pairs, [&](const ScanPair& pair) {
-    const auto right = [&](std::size_t m) { return is_right(printed[m].match(pair.reference, pair.scan).T_ref_scan, *pair.truth); };
+    const auto right = [&](std::size_t m) {
+      return is_right(printed[m].match(pair.reference, pair.scan).T_ref_scan, *pair.truth);
+    };
     return !right(0) && !right(1) && right(3) && right(4);
   });
   nlohmann::ordered_json json{{"pair", shown.id}, {"truth", {shown.truth->x, shown.truth->y, shown.truth->theta}}};
@@ -110,15 +114,19 @@ void paper_steps(PaperKit& kit, const PaperPairs& pairs) {
     if (matchers.size() == 5) figure.charts.push_back(panel(shown, {}, "the two scans"));
     for (std::size_t m = 0; m < matchers.size(); ++m) {
       const MatchResult result = matchers[m].match(shown.reference, shown.scan);
-      figure.charts.push_back(panel(shown, result.T_ref_scan, methods[m].name + (result.usable ? "" : " (not usable)")));
-      json[key][methods[m].name] = {{"x", result.T_ref_scan.x}, {"y", result.T_ref_scan.y}, {"theta", result.T_ref_scan.theta},
+      figure.charts.push_back(
+          panel(shown, result.T_ref_scan, methods[m].name + (result.usable ? "" : " (not usable)")));
+      json[key][methods[m].name] = {{"x", result.T_ref_scan.x},
+                                    {"y", result.T_ref_scan.y},
+                                    {"theta", result.T_ref_scan.theta},
                                     {"usable", result.usable}};
     }
     return figure.svg();
   };
   kit.figure("fig09_methods_printed", draw(printed, printed_methods, "printed"),
              "Fig. 9, methods as printed, on pair " + shown.id +
-                 ": the first of the large class (if there is one) where, as in the paper, ICP and NDT fail and both FFT-ICP succeed.");
+                 ": the first of the large class (if there is one) where, as in the paper, ICP and NDT fail and both "
+                 "FFT-ICP succeed.");
   kit.figure("fig09_methods_ours", draw(ours, our_methods, "defaults"), "The same pair with this project's defaults.");
   kit.data("fig09", json);
 }

@@ -27,8 +27,11 @@ struct Table3Line {
   std::size_t index;  ///< in kTimedSteps
   double paper_ms;
 };
-constexpr std::array<Table3Line, 5> kPaperTable3{{{"scan images", 1, 10.0}, {"missing data", 2, 5.0}, {"rotation by FFT", 3, 103.0},
-                                                  {"translation by FFT", 4, 82.0}, {"ICP", 5, 11.0}}};
+constexpr std::array<Table3Line, 5> kPaperTable3{{{"scan images", 1, 10.0},
+                                                  {"missing data", 2, 5.0},
+                                                  {"rotation by FFT", 3, 103.0},
+                                                  {"translation by FFT", 4, 82.0},
+                                                  {"ICP", 5, 11.0}}};
 struct Table4Line {
   const char* scene;
   const char* dataset;
@@ -91,14 +94,18 @@ Figure success_figure(const PaperKit& kit, const std::vector<PairOutcome>& outco
 }
 
 Table table2(const std::vector<PairOutcome>& outcomes, const Columns& columns) {
-  Table table{"Table 2: errors over the successes of the classes small, middle and large. The paper's \"variance\" can only be a standard "
-              "deviation or worse; both are printed here.",
-              {"method", "", "n", "x mean [m]", "x var [m2]", "x std [m]", "y mean [m]", "y var [m2]", "y std [m]", "rot mean [deg]",
-               "rot var [deg2]", "rot std [deg]"}, {}, 2};
+  Table table{
+      "Table 2: errors over the successes of the classes small, middle and large. The paper's \"variance\" can only be "
+      "a standard "
+      "deviation or worse; both are printed here.",
+      {"method", "", "n", "x mean [m]", "x var [m2]", "x std [m]", "y mean [m]", "y var [m2]", "y std [m]",
+       "rot mean [deg]", "rot var [deg2]", "rot std [deg]"},
+      {},
+      2};
   for (const Table2Line& line : kPaperTable2) {
     const auto& p = line.mean_and_variance;
-    table.rows.push_back({line.method, "paper", "", fixed(p[0], 3), fixed(p[1], 3), "", fixed(p[2], 3), fixed(p[3], 3), "", fixed(p[4], 2),
-                          fixed(p[5], 2), ""});
+    table.rows.push_back({line.method, "paper", "", fixed(p[0], 3), fixed(p[1], 3), "", fixed(p[2], 3), fixed(p[3], 3),
+                          "", fixed(p[4], 2), fixed(p[5], 2), ""});
     for (const Variant variant : kBoth) {
       for (const std::size_t m : columns.of(variant)) {
         if (columns.methods[m].name != line.method) continue;
@@ -108,9 +115,9 @@ Table table2(const std::vector<PairOutcome>& outcomes, const Columns& columns) {
         }
         const PairRow row = sum_up(box);
         table.rows.push_back({line.method, variant_name(variant), fmt::format("{}", row.right), fixed(row.x_m.mean, 4),
-                              fixed(row.x_m.variance, 6), fixed(row.x_m.std, 4), fixed(row.y_m.mean, 4), fixed(row.y_m.variance, 6),
-                              fixed(row.y_m.std, 4), fixed(row.rotation_deg.mean, 3), fixed(row.rotation_deg.variance, 4),
-                              fixed(row.rotation_deg.std, 3)});
+                              fixed(row.x_m.variance, 6), fixed(row.x_m.std, 4), fixed(row.y_m.mean, 4),
+                              fixed(row.y_m.variance, 6), fixed(row.y_m.std, 4), fixed(row.rotation_deg.mean, 3),
+                              fixed(row.rotation_deg.variance, 4), fixed(row.rotation_deg.std, 3)});
       }
     }
   }
@@ -125,7 +132,8 @@ std::size_t find_method(const Columns& columns, Variant variant, std::string_vie
 }
 
 /// Mean of one step's time over the outcomes of a method in which the step ran.
-double mean_step_ms(const std::vector<PairOutcome>& outcomes, std::size_t method, std::size_t step, const char* dataset = nullptr) {
+double mean_step_ms(const std::vector<PairOutcome>& outcomes, std::size_t method, std::size_t step,
+                    const char* dataset = nullptr) {
   std::vector<double> ms;
   for (const PairOutcome& o : outcomes) {
     if (o.method != method || (dataset && o.dataset != dataset)) continue;
@@ -137,7 +145,9 @@ double mean_step_ms(const std::vector<PairOutcome>& outcomes, std::size_t method
 
 Table table3(const std::vector<PairOutcome>& outcomes, const Columns& columns) {
   Table table{"Table 3: mean CPU time per step of fft-icp2 [ms], where the step runs (the paper: a laptop with an i3)",
-              {"step", "paper", "as printed", "this project's defaults"}, {}, 1};
+              {"step", "paper", "as printed", "this project's defaults"},
+              {},
+              1};
   for (const Table3Line& line : kPaperTable3) {
     std::vector<std::string> cells{line.step, fixed(line.paper_ms, 0)};
     for (const Variant variant : kBoth) {
@@ -149,14 +159,18 @@ Table table3(const std::vector<PairOutcome>& outcomes, const Columns& columns) {
 }
 
 Table table4(const std::vector<PairOutcome>& outcomes, const Columns& columns) {
-  Table table{"Table 4: mean CPU time per match [ms]", {"scene", "", "icp", "ndt", "fft", "fft-icp1", "fft-icp2", "fft-mh"}, {}, 2};
+  Table table{"Table 4: mean CPU time per match [ms]",
+              {"scene", "", "icp", "ndt", "fft", "fft-icp1", "fft-icp2", "fft-mh"},
+              {},
+              2};
   for (const Table4Line& line : kPaperTable4) {
     std::vector<std::string> paper{line.scene, "paper"};
     for (const double ms : line.paper_ms) paper.push_back(fixed(ms, 0));
     table.rows.push_back(std::move(paper));
     for (const Variant variant : kBoth) {
       std::vector<std::string> cells{line.scene, variant_name(variant)};
-      for (const std::size_t m : columns.of(variant)) cells.push_back(fixed(mean_step_ms(outcomes, m, 0, line.dataset), 3));
+      for (const std::size_t m : columns.of(variant))
+        cells.push_back(fixed(mean_step_ms(outcomes, m, 0, line.dataset), 3));
       table.rows.push_back(std::move(cells));
     }
   }
@@ -164,9 +178,13 @@ Table table4(const std::vector<PairOutcome>& outcomes, const Columns& columns) {
 }
 
 Table shortcut(const std::vector<PairOutcome>& outcomes, const Columns& columns) {
-  Table table{"The missing-data shortcut of fft-icp2: how often the rotation came from it, how often the match was then right, and "
-              "success beside fft-icp1, which never takes it",
-              {"scene", "", "n", "used [%]", "right when used [%]", "fft-icp2 [%]", "fft-icp1 [%]"}, {}, 2};
+  Table table{
+      "The missing-data shortcut of fft-icp2: how often the rotation came from it, how often the match was then right, "
+      "and "
+      "success beside fft-icp1, which never takes it",
+      {"scene", "", "n", "used [%]", "right when used [%]", "fft-icp2 [%]", "fft-icp1 [%]"},
+      {},
+      2};
   for (const std::string& dataset : datasets_in_order(outcomes)) {
     for (const Variant variant : kBoth) {
       std::vector<const PairOutcome*> two, one;
@@ -176,38 +194,51 @@ Table shortcut(const std::vector<PairOutcome>& outcomes, const Columns& columns)
         if (o.method == find_method(columns, variant, "fft-icp1")) one.push_back(&o);
       }
       const PairRow row = sum_up(two);
-      const auto used = static_cast<double>(row.rotation_sources[static_cast<std::size_t>(RotationSource::kMissingData)]);
-      table.rows.push_back({dataset, variant_name(variant), fmt::format("{}", row.n), percent(used / static_cast<double>(row.n)),
-                            percent(static_cast<double>(row.shortcut_right) / used), percent(row.success()), percent(sum_up(one).success())});
+      const auto used =
+          static_cast<double>(row.rotation_sources[static_cast<std::size_t>(RotationSource::kMissingData)]);
+      table.rows.push_back({dataset, variant_name(variant), fmt::format("{}", row.n),
+                            percent(used / static_cast<double>(row.n)),
+                            percent(static_cast<double>(row.shortcut_right) / used), percent(row.success()),
+                            percent(sum_up(one).success())});
     }
   }
   return table;
 }
 
 /// "fft 14 %, ndt 27 %, ..." from worst to best in one class.
-std::string order_text(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods, const std::string& cls) {
+std::string order_text(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods,
+                       const std::string& cls) {
   std::vector<PairRow> rows = rows_of_all_datasets(outcomes);
   std::erase_if(rows, [&](const PairRow& row) { return row.cls != cls || row.method >= 5; });
-  std::stable_sort(rows.begin(), rows.end(), [](const PairRow& a, const PairRow& b) { return a.success() < b.success(); });
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const PairRow& a, const PairRow& b) { return a.success() < b.success(); });
   std::string out;
-  for (const PairRow& row : rows) out += fmt::format("{}{} {} %", out.empty() ? "" : " < ", methods[row.method].name, percent(row.success()));
+  for (const PairRow& row : rows)
+    out += fmt::format("{}{} {} %", out.empty() ? "" : " < ", methods[row.method].name, percent(row.success()));
   return out;
 }
 
-nlohmann::ordered_json rows_json(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods, bool times) {
+nlohmann::ordered_json rows_json(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods,
+                                 bool times) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const PairRow& row : pair_rows(outcomes)) {
-    out.push_back({{"dataset", row.dataset}, {"class", row.cls}, {"method", methods[row.method].name}, {"n", row.with_truth},
-                   {"success", row.right}, {"low", row.interval.low}, {"high", row.interval.high},
-                   {"x_m", {row.x_m.mean, row.x_m.variance}}, {"y_m", {row.y_m.mean, row.y_m.variance}},
+    out.push_back({{"dataset", row.dataset},
+                   {"class", row.cls},
+                   {"method", methods[row.method].name},
+                   {"n", row.with_truth},
+                   {"success", row.right},
+                   {"low", row.interval.low},
+                   {"high", row.interval.high},
+                   {"x_m", {row.x_m.mean, row.x_m.variance}},
+                   {"y_m", {row.y_m.mean, row.y_m.variance}},
                    {"rotation_deg", {row.rotation_deg.mean, row.rotation_deg.variance}}});
     if (times) out.back()["ms"] = {{"mean", row.times[0].mean}, {"p50", row.times[0].p50}, {"p99", row.times[0].p99}};
   }
   return out;
 }
 
-void scene_figure(PaperKit& kit, const std::vector<PairOutcome>& outcomes, const Columns& columns, const std::string& name,
-                  const std::string& caption) {
+void scene_figure(PaperKit& kit, const std::vector<PairOutcome>& outcomes, const Columns& columns,
+                  const std::string& name, const std::string& caption) {
   Figure figure;
   figure.cell_width = 430.0;
   figure.cell_height = 240.0;
@@ -217,7 +248,8 @@ void scene_figure(PaperKit& kit, const std::vector<PairOutcome>& outcomes, const
       for (PairOutcome& o : only(outcomes, columns, variant)) {
         if (o.dataset == dataset) of_dataset.push_back(std::move(o));
       }
-      figure.charts.push_back(success_chart(pair_rows(of_dataset), kit.methods(Variant::kOurs), fmt::format("{}, {}", dataset, variant_name(variant))));
+      figure.charts.push_back(success_chart(pair_rows(of_dataset), kit.methods(Variant::kOurs),
+                                            fmt::format("{}, {}", dataset, variant_name(variant))));
     }
   }
   kit.figure(name, figure.svg(), caption);
@@ -229,29 +261,40 @@ void paper_success(PaperKit& kit, const PaperPairs& pairs) {
   const Columns columns = all_columns(kit);
   BenchSettings settings;
   settings.threads = kit.options.threads;
-  const BenchRun run = run_bench(simulated_source(pairs.generator, pairs.count, kit.options.threads), columns.methods, settings);
-  const std::vector<PairOutcome> printed = only(run.outcomes, columns, Variant::kPrinted), ours = only(run.outcomes, columns, Variant::kOurs);
+  const BenchRun run =
+      run_bench(simulated_source(pairs.generator, pairs.count, kit.options.threads), columns.methods, settings);
+  const std::vector<PairOutcome> printed = only(run.outcomes, columns, Variant::kPrinted),
+                                 ours = only(run.outcomes, columns, Variant::kOurs);
 
   kit.report.heading("Fig. 10: success rate");
-  kit.report.paragraph(fmt::format("{} pairs from rooms, offices, flats and corridors in equal parts, no first guess, at most 200 iterations; "
-                                   "success: within 0.1 m and 3 deg of the truth. Class global (any rotation, up to 1.5 m) is not in the "
-                                   "paper. Whiskers: 95 % Wilson intervals.", run.pairs));
-  kit.figure("fig10_success", success_figure(kit, run.outcomes, columns).svg(), "Fig. 10: success per class, all scenes.");
+  kit.report.paragraph(fmt::format(
+      "{} pairs from rooms, offices, flats and corridors in equal parts, no first guess, at most 200 iterations; "
+      "success: within 0.1 m and 3 deg of the truth. Class global (any rotation, up to 1.5 m) is not in the "
+      "paper. Whiskers: 95 % Wilson intervals.",
+      run.pairs));
+  kit.figure("fig10_success", success_figure(kit, run.outcomes, columns).svg(),
+             "Fig. 10: success per class, all scenes.");
   kit.report.bullets({"Large class in the paper, from worst to best: icp < ndt < fft, fft-icp1, fft-icp2.",
                       "As printed: " + order_text(printed, kit.methods(Variant::kPrinted), "large"),
                       "With this project's defaults: " + order_text(ours, kit.methods(Variant::kOurs), "large")});
-  kit.report.paragraph("Where the order differs from the paper's: an ICP that starts from zero still has walls of the same room to close in on at "
-                       "0.8 m and 30 degrees, as long as the scans overlap; the printed FFT stage must first get the rotation right from one peak "
-                       "of a spectrum of few pixels, whose twin at 180 degrees it cannot tell apart, and fully whitened projections of a binary "
-                       "image are mostly noise. NDT's cells, placed on a fixed grid, have a narrow basin in rotation. With the choices of the "
-                       "defaults (docs/method.md) the FFT methods lead, as the paper claims.");
+  kit.report.paragraph(
+      "Where the order differs from the paper's: an ICP that starts from zero still has walls of the same room to "
+      "close in on at "
+      "0.8 m and 30 degrees, as long as the scans overlap; the printed FFT stage must first get the rotation right "
+      "from one peak "
+      "of a spectrum of few pixels, whose twin at 180 degrees it cannot tell apart, and fully whitened projections of "
+      "a binary "
+      "image are mostly noise. NDT's cells, placed on a fixed grid, have a narrow basin in rotation. With the choices "
+      "of the "
+      "defaults (docs/method.md) the FFT methods lead, as the paper claims.");
   scene_figure(kit, run.outcomes, columns, "fig10_scenes", "Fig. 10 by scene.");
   Figure overlap;
   overlap.cell_width = 430.0;
   overlap.charts = {overlap_chart(printed, kit.methods(Variant::kPrinted), "As printed"),
                     overlap_chart(ours, kit.methods(Variant::kOurs), "This project's defaults")};
-  kit.figure("fig10_overlap", overlap.svg(),
-             "Success against overlap, all classes: Sec. 5.2 explains failures by \"excessive change of total shape\".");
+  kit.figure(
+      "fig10_overlap", overlap.svg(),
+      "Success against overlap, all classes: Sec. 5.2 explains failures by \"excessive change of total shape\".");
   kit.data("fig10_printed", rows_json(printed, kit.methods(Variant::kPrinted), kit.options.times));
   kit.data("fig10_defaults", rows_json(ours, kit.methods(Variant::kOurs), kit.options.times));
 
@@ -263,7 +306,8 @@ void paper_success(PaperKit& kit, const PaperPairs& pairs) {
     kit.report.heading("Tables 3, 4: time");
     kit.report.table(table3(run.outcomes, columns));
     kit.report.table(table4(run.outcomes, columns));
-    kit.report.paragraph(fmt::format("One 128 x 128 real-to-complex float FFT took {} ms in the same process.", fixed(run.fft_ms, 4)));
+    kit.report.paragraph(
+        fmt::format("One 128 x 128 real-to-complex float FFT took {} ms in the same process.", fixed(run.fft_ms, 4)));
   }
 
   for (const std::string& path : kit.options.pairs) {
@@ -271,11 +315,16 @@ void paper_success(PaperKit& kit, const PaperPairs& pairs) {
     const std::string name = real.outcomes.empty() ? path : real.outcomes.front().dataset;
     kit.report.heading("Fig. 10 and Table 2 on " + name);
     std::string file = "pairs_" + name;
-    std::replace_if(file.begin(), file.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_'; }, '_');
-    scene_figure(kit, real.outcomes, columns, file + "_success", fmt::format("Success on {} pairs of {}.", real.pairs, name));
+    std::replace_if(
+        file.begin(), file.end(),
+        [](char c) { return !std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_'; }, '_');
+    scene_figure(kit, real.outcomes, columns, file + "_success",
+                 fmt::format("Success on {} pairs of {}.", real.pairs, name));
     kit.report.table(table2(real.outcomes, columns));
-    kit.data(file + "_printed", rows_json(only(real.outcomes, columns, Variant::kPrinted), kit.methods(Variant::kPrinted), kit.options.times));
-    kit.data(file + "_defaults", rows_json(only(real.outcomes, columns, Variant::kOurs), kit.methods(Variant::kOurs), kit.options.times));
+    kit.data(file + "_printed", rows_json(only(real.outcomes, columns, Variant::kPrinted),
+                                          kit.methods(Variant::kPrinted), kit.options.times));
+    kit.data(file + "_defaults",
+             rows_json(only(real.outcomes, columns, Variant::kOurs), kit.methods(Variant::kOurs), kit.options.times));
   }
 }
 

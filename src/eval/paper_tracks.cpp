@@ -70,7 +70,8 @@ double Track::roughness() const {
   double sum = 0.0;
   std::size_t n = 0;
   const auto error = [&](std::size_t i) { return (estimate[i].translation() - truth[i].translation()).eval(); };
-  for (std::size_t i = 1; i + 1 < estimate.size(); ++i, ++n) sum += (error(i + 1) - 2.0 * error(i) + error(i - 1)).squaredNorm();
+  for (std::size_t i = 1; i + 1 < estimate.size(); ++i, ++n)
+    sum += (error(i + 1) - 2.0 * error(i) + error(i - 1)).squaredNorm();
   return n > 0 ? std::sqrt(sum / static_cast<double>(n)) : 0.0;
 }
 

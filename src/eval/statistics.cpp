@@ -45,12 +45,14 @@ Moments moments(std::span<const double> values) {
 
 double area_under_roc(std::span<const Judgement> judgements) {
   std::vector<Judgement> sorted(judgements.begin(), judgements.end());
-  std::stable_sort(sorted.begin(), sorted.end(), [](const Judgement& a, const Judgement& b) { return a.confidence < b.confidence; });
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const Judgement& a, const Judgement& b) { return a.confidence < b.confidence; });
   double right = 0.0, wrong = 0.0, rank_sum = 0.0;
   for (std::size_t i = 0; i < sorted.size();) {
     std::size_t end = i;
     double right_here = 0.0;
-    for (; end < sorted.size() && sorted[end].confidence == sorted[i].confidence; ++end) right_here += sorted[end].right;
+    for (; end < sorted.size() && sorted[end].confidence == sorted[i].confidence; ++end)
+      right_here += sorted[end].right;
     const double ties = static_cast<double>(end - i), wrong_here = ties - right_here;
     rank_sum += right_here * (wrong + 0.5 * wrong_here);  // wrong answers below, and half of those level
     right += right_here;

@@ -36,12 +36,24 @@ class Plotter {
 
   void draw(const Series& s, const std::string& color) {
     switch (s.kind) {
-      case SeriesKind::kLine: line(s, color); break;
-      case SeriesKind::kPoints: points(s, color); break;
-      case SeriesKind::kDots: canvas_.dots(to_px(s.x, x_), to_px(s.y, y_), s.width, color, s.opacity); break;
-      case SeriesKind::kBars: bars(s, color); break;
-      case SeriesKind::kBoxes: boxes(s, color); break;
-      case SeriesKind::kBand: band(s, color); break;
+      case SeriesKind::kLine:
+        line(s, color);
+        break;
+      case SeriesKind::kPoints:
+        points(s, color);
+        break;
+      case SeriesKind::kDots:
+        canvas_.dots(to_px(s.x, x_), to_px(s.y, y_), s.width, color, s.opacity);
+        break;
+      case SeriesKind::kBars:
+        bars(s, color);
+        break;
+      case SeriesKind::kBoxes:
+        boxes(s, color);
+        break;
+      case SeriesKind::kBand:
+        band(s, color);
+        break;
     }
   }
 
@@ -92,7 +104,8 @@ class Plotter {
       const double x = column_center(s.x[i]), top = y_(s.y[i]);
       canvas_.rect(x - 0.46 * width, std::min(top, base), 0.92 * width, std::abs(base - top), color, s.opacity);
       if (s.low.empty()) continue;
-      whisker(x, s.low[i], s.high[i], {"#ffffff", 3.0, {}, 0.75}, std::min(3.0, width / 4.0));  // so that it shows on dark bars
+      whisker(x, s.low[i], s.high[i], {"#ffffff", 3.0, {}, 0.75},
+              std::min(3.0, width / 4.0));  // so that it shows on dark bars
       whisker(x, s.low[i], s.high[i], {std::string(palette::kInk), 1.0}, std::min(3.0, width / 4.0));
     }
     ++column_;
@@ -131,8 +144,8 @@ class Plotter {
   bool dodge_points_ = false;
 };
 
-void draw_axes(SvgCanvas& canvas, const Chart& chart, const AxisScale& x, const AxisScale& y, const std::vector<Tick>& x_ticks,
-               const std::vector<Tick>& y_ticks) {
+void draw_axes(SvgCanvas& canvas, const Chart& chart, const AxisScale& x, const AxisScale& y,
+               const std::vector<Tick>& x_ticks, const std::vector<Tick>& y_ticks) {
   const Stroke grid{std::string(palette::kGrid), 1.0};
   const bool categories = !chart.x.categories.empty();
   const std::string muted(palette::kMuted);
@@ -186,8 +199,8 @@ std::vector<std::string> series_colors(const Chart& chart) {
   return colors;
 }
 
-void draw_inner_legend(SvgCanvas& canvas, const Chart& chart, const std::vector<LegendEntry>& entries, const AxisScale& x,
-                       const AxisScale& y) {
+void draw_inner_legend(SvgCanvas& canvas, const Chart& chart, const std::vector<LegendEntry>& entries,
+                       const AxisScale& x, const AxisScale& y) {
   double widest = 0.0;
   for (const LegendEntry& e : entries) widest = std::max(widest, text_width(e.name, kTickText));
   const double w = widest + 40.0, h = 15.0 * static_cast<double>(entries.size()) + 8.0;
@@ -206,7 +219,8 @@ void draw_inner_legend(SvgCanvas& canvas, const Chart& chart, const std::vector<
 void Chart::draw(SvgCanvas& canvas, double x0, double y0, double w, double h) const {
   for (const Series& s : series) check_lengths(s);
   const std::vector<std::string> colors = series_colors(*this);
-  const std::vector<LegendEntry> entries = legend == LegendPlace::kNone ? std::vector<LegendEntry>{} : legend_entries(*this, colors);
+  const std::vector<LegendEntry> entries =
+      legend == LegendPlace::kNone ? std::vector<LegendEntry>{} : legend_entries(*this, colors);
 
   AxisScale sx = axis_limits(x, series, false), sy = axis_limits(y, series, true);
   const double title_height = (title.empty() ? 0.0 : 19.0) + (subtitle.empty() ? 0.0 : 15.0);
@@ -234,7 +248,8 @@ void Chart::draw(SvgCanvas& canvas, double x0, double y0, double w, double h) co
   if (raster) {
     const double px0 = sx(x.min.value_or(sx.low)), px1 = sx(x.max.value_or(sx.high));
     const double py0 = sy(y.max.value_or(sy.high)), py1 = sy(y.min.value_or(sy.low));
-    canvas.pixels(px0, py0, px1 - px0, py1 - py0, raster->values, raster->rows, raster->cols, raster->color, raster->levels);
+    canvas.pixels(px0, py0, px1 - px0, py1 - py0, raster->values, raster->rows, raster->cols, raster->color,
+                  raster->levels);
   }
   draw_axes(canvas, *this, sx, sy, axis_ticks(x, sx, x_target), axis_ticks(y, sy, y_target));
   canvas.begin_clip(left, top, right - left, bottom - top);
@@ -244,9 +259,11 @@ void Chart::draw(SvgCanvas& canvas, double x0, double y0, double w, double h) co
   canvas.end_clip();
   canvas.rect(left, top, right - left, bottom - top, "none", 1.0, {std::string(palette::kAxis), 1.0});
 
-  if (!title.empty()) canvas.text(left, y0 + 17.0, title, {kTitleText, TextAnchor::kStart, std::string(palette::kInk), true});
+  if (!title.empty())
+    canvas.text(left, y0 + 17.0, title, {kTitleText, TextAnchor::kStart, std::string(palette::kInk), true});
   if (!subtitle.empty()) {
-    canvas.text(left, y0 + (title.empty() ? 15.0 : 32.0), subtitle, {kTickText, TextAnchor::kStart, std::string(palette::kMuted)});
+    canvas.text(left, y0 + (title.empty() ? 15.0 : 32.0), subtitle,
+                {kTickText, TextAnchor::kStart, std::string(palette::kMuted)});
   }
   if (!x.label.empty()) {
     canvas.text((left + right) / 2.0, bottom + tick_depth + 11.0, x.label, {kLabelText, TextAnchor::kMiddle});
@@ -275,7 +292,8 @@ std::string Figure::svg() const {
   for (const Chart& chart : charts) {
     if (!shared_legend || chart.legend == LegendPlace::kNone) continue;
     for (LegendEntry& entry : legend_entries(chart, series_colors(chart))) {
-      const bool known = std::any_of(entries.begin(), entries.end(), [&](const LegendEntry& e) { return e.name == entry.name; });
+      const bool known =
+          std::any_of(entries.begin(), entries.end(), [&](const LegendEntry& e) { return e.name == entry.name; });
       if (!known) entries.push_back(std::move(entry));
     }
   }
@@ -288,7 +306,8 @@ std::string Figure::svg() const {
     Chart chart = charts[i];
     if (shared_legend) chart.legend = LegendPlace::kNone;
     const int index = static_cast<int>(i);
-    chart.draw(canvas, (index % cols) * cell_width, title_height + (index / cols) * cell_height, cell_width, cell_height);
+    chart.draw(canvas, (index % cols) * cell_width, title_height + (index / cols) * cell_height, cell_width,
+               cell_height);
   }
   draw_legend(&canvas, entries, 10.0, canvas.height() - legend_height, width - 20.0);
   return canvas.str(title);

@@ -7,7 +7,9 @@
 namespace phasescan {
 namespace {
 
-int decimals_for(double step) { return std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9); }
+int decimals_for(double step) {
+  return std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
+}
 
 std::string log_label(double value) {
   if (value >= 1e-3 && value < 1e5) return plain_number(value, 4);
@@ -77,7 +79,8 @@ AxisScale axis_limits(const ChartAxis& axis, const std::vector<Series>& series, 
 std::vector<Tick> axis_ticks(const ChartAxis& axis, const AxisScale& scale, int target) {
   std::vector<Tick> ticks;
   if (!axis.categories.empty()) {
-    for (std::size_t i = 0; i < axis.categories.size(); ++i) ticks.push_back({static_cast<double>(i), axis.categories[i]});
+    for (std::size_t i = 0; i < axis.categories.size(); ++i)
+      ticks.push_back({static_cast<double>(i), axis.categories[i]});
     return ticks;
   }
   if (scale.log) {

@@ -40,17 +40,19 @@ double natural_width(std::string_view svg) {
   const std::size_t at = svg.find("width=\"");
   if (at == std::string_view::npos) return 500.0;
   double value = 0.0;
-  for (std::size_t i = at + 7; i < svg.size() && svg[i] >= '0' && svg[i] <= '9'; ++i) value = 10.0 * value + (svg[i] - '0');
+  for (std::size_t i = at + 7; i < svg.size() && svg[i] >= '0' && svg[i] <= '9'; ++i)
+    value = 10.0 * value + (svg[i] - '0');
   return value > 0.0 ? value : 500.0;
 }
 
 std::string figure_html(std::string_view svg, std::string_view caption) {
   const double width = natural_width(svg);
   // On a narrow screen a wide figure scrolls instead of shrinking its text away.
-  return fmt::format("<figure><div class=\"frame\"><div style=\"max-width:{}px;min-width:{}px\">\n{}</div></div>"
-                     "<figcaption>{}</figcaption></figure>\n",
-                     static_cast<int>(1.35 * width), static_cast<int>(std::min(width, 0.62 * width + 120.0)), svg,
-                     xml_escape(caption));
+  return fmt::format(
+      "<figure><div class=\"frame\"><div style=\"max-width:{}px;min-width:{}px\">\n{}</div></div>"
+      "<figcaption>{}</figcaption></figure>\n",
+      static_cast<int>(1.35 * width), static_cast<int>(std::min(width, 0.62 * width + 120.0)), svg,
+      xml_escape(caption));
 }
 
 }  // namespace
@@ -66,7 +68,9 @@ void HtmlReport::heading(std::string_view text, int level) {
   }
 }
 
-void HtmlReport::paragraph(std::string_view text) { body_ += fmt::format("<p>{}</p>\n", xml_escape(text)); }
+void HtmlReport::paragraph(std::string_view text) {
+  body_ += fmt::format("<p>{}</p>\n", xml_escape(text));
+}
 
 void HtmlReport::bullets(const std::vector<std::string>& items) {
   body_ += "<ul>\n";
@@ -74,7 +78,9 @@ void HtmlReport::bullets(const std::vector<std::string>& items) {
   body_ += "</ul>\n";
 }
 
-void HtmlReport::figure(std::string_view svg, std::string_view caption) { body_ += figure_html(svg, caption); }
+void HtmlReport::figure(std::string_view svg, std::string_view caption) {
+  body_ += figure_html(svg, caption);
+}
 
 void HtmlReport::figures(const std::vector<std::string>& svgs, const std::vector<std::string>& captions) {
   body_ += "<div class=\"side\">\n";
@@ -82,9 +88,13 @@ void HtmlReport::figures(const std::vector<std::string>& svgs, const std::vector
   body_ += "</div>\n";
 }
 
-void HtmlReport::table(const Table& table) { body_ += table.html(); }
+void HtmlReport::table(const Table& table) {
+  body_ += table.html();
+}
 
-void HtmlReport::code(std::string_view text) { body_ += fmt::format("<pre>{}</pre>\n", xml_escape(text)); }
+void HtmlReport::code(std::string_view text) {
+  body_ += fmt::format("<pre>{}</pre>\n", xml_escape(text));
+}
 
 std::string HtmlReport::str() const {
   std::string contents;
@@ -93,10 +103,11 @@ std::string HtmlReport::str() const {
     for (const Section& s : sections_) contents += fmt::format("<a href=\"#{}\">{}</a>\n", s.id, xml_escape(s.title));
     contents += "</nav>\n";
   }
-  return fmt::format("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-                     "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0}</title>\n"
-                     "<style>{1}</style></head>\n<body>\n<h1>{0}</h1>\n<p class=\"lead\">{2}</p>\n{3}{4}</body></html>\n",
-                     xml_escape(title_), kStyle, xml_escape(lead_), contents, body_);
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0}</title>\n"
+      "<style>{1}</style></head>\n<body>\n<h1>{0}</h1>\n<p class=\"lead\">{2}</p>\n{3}{4}</body></html>\n",
+      xml_escape(title_), kStyle, xml_escape(lead_), contents, body_);
 }
 
 }  // namespace phasescan

@@ -19,12 +19,21 @@ void draw_sample(SvgCanvas& canvas, const Series& look, double x, double y) {
       canvas.marker(middle, y, look.marker, look.marker_size, look.color);
       break;
     case SeriesKind::kPoints:
-      canvas.marker(middle, y, look.marker == Marker::kNone ? Marker::kCircle : look.marker, look.marker_size, look.color);
+      canvas.marker(middle, y, look.marker == Marker::kNone ? Marker::kCircle : look.marker, look.marker_size,
+                    look.color);
       break;
-    case SeriesKind::kDots: canvas.marker(middle, y, Marker::kCircle, 5.0, look.color); break;
-    case SeriesKind::kBars: canvas.rect(x + 4.0, y - 5.0, 14.0, 10.0, look.color, look.opacity); break;
-    case SeriesKind::kBoxes: canvas.rect(x + 4.0, y - 5.0, 14.0, 10.0, look.color, 0.3, {look.color, 1.2}); break;
-    case SeriesKind::kBand: canvas.rect(x + 4.0, y - 5.0, 14.0, 10.0, look.color, look.opacity < 1.0 ? look.opacity : 0.2); break;
+    case SeriesKind::kDots:
+      canvas.marker(middle, y, Marker::kCircle, 5.0, look.color);
+      break;
+    case SeriesKind::kBars:
+      canvas.rect(x + 4.0, y - 5.0, 14.0, 10.0, look.color, look.opacity);
+      break;
+    case SeriesKind::kBoxes:
+      canvas.rect(x + 4.0, y - 5.0, 14.0, 10.0, look.color, 0.3, {look.color, 1.2});
+      break;
+    case SeriesKind::kBand:
+      canvas.rect(x + 4.0, y - 5.0, 14.0, 10.0, look.color, look.opacity < 1.0 ? look.opacity : 0.2);
+      break;
   }
 }
 
@@ -41,7 +50,8 @@ const MethodLook* find_look(std::string_view method) {
                                                      {"fft-icp1", palette::kPurple, Marker::kDiamond},
                                                      {"fft-icp2", palette::kVermillion, Marker::kTriangleDown},
                                                      {"fft-mh", palette::kBlack, Marker::kCross}}};
-  const auto found = std::find_if(kLooks.begin(), kLooks.end(), [&](const MethodLook& look) { return look.method == method; });
+  const auto found =
+      std::find_if(kLooks.begin(), kLooks.end(), [&](const MethodLook& look) { return look.method == method; });
   return found == kLooks.end() ? nullptr : &*found;
 }
 

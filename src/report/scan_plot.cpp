@@ -10,7 +10,8 @@
 namespace phasescan {
 namespace {
 
-Series scan_series(const Scan& scan, const Pose2& T_ref_scan, const std::string& name, std::string_view color, double diameter) {
+Series scan_series(const Scan& scan, const Pose2& T_ref_scan, const std::string& name, std::string_view color,
+                   double diameter) {
   ScanPoints points;
   scan_to_points(scan, points);
   Series s;
@@ -76,8 +77,8 @@ Chart scan_pair_chart(const Scan& reference, const Scan& scan, const Pose2& T_re
   return chart;
 }
 
-std::string scan_pair_svg(const Scan& reference, const Scan& scan, const MatchResult& result, const std::optional<Pose2>& truth,
-                          const Pose2& guess, const std::string& title) {
+std::string scan_pair_svg(const Scan& reference, const Scan& scan, const MatchResult& result,
+                          const std::optional<Pose2>& truth, const Pose2& guess, const std::string& title) {
   Figure figure;
   figure.title = title;
   figure.cell_width = 340.0;

@@ -12,7 +12,9 @@
 namespace phasescan {
 namespace {
 
-std::string px(double value) { return plain_number(value, 2); }
+std::string px(double value) {
+  return plain_number(value, 2);
+}
 
 std::string stroke_attributes(const Stroke& stroke) {
   std::string out = fmt::format(R"( stroke="{}" stroke-width="{}")", stroke.color, px(stroke.width));
@@ -32,22 +34,39 @@ std::span<const std::array<double, 2>> marker_corners(Marker shape) {
   static constexpr std::array<Corner, 3> kTriangle{{{0, -.58}, {.55, .42}, {-.55, .42}}};
   static constexpr std::array<Corner, 3> kTriangleDown{{{0, .58}, {.55, -.42}, {-.55, -.42}}};
   static constexpr std::array<Corner, 4> kDiamond{{{0, -.62}, {.55, 0}, {0, .62}, {-.55, 0}}};
-  static constexpr std::array<Corner, 12> kCross{{{-.15, -.5}, {.15, -.5}, {.15, -.15}, {.5, -.15}, {.5, .15}, {.15, .15},
-                                                  {.15, .5}, {-.15, .5}, {-.15, .15}, {-.5, .15}, {-.5, -.15}, {-.15, -.15}}};
+  static constexpr std::array<Corner, 12> kCross{{{-.15, -.5},
+                                                  {.15, -.5},
+                                                  {.15, -.15},
+                                                  {.5, -.15},
+                                                  {.5, .15},
+                                                  {.15, .15},
+                                                  {.15, .5},
+                                                  {-.15, .5},
+                                                  {-.15, .15},
+                                                  {-.5, .15},
+                                                  {-.5, -.15},
+                                                  {-.15, -.15}}};
   switch (shape) {
-    case Marker::kSquare: return kSquare;
-    case Marker::kTriangle: return kTriangle;
-    case Marker::kTriangleDown: return kTriangleDown;
-    case Marker::kDiamond: return kDiamond;
-    case Marker::kCross: return kCross;
-    default: return {};
+    case Marker::kSquare:
+      return kSquare;
+    case Marker::kTriangle:
+      return kTriangle;
+    case Marker::kTriangleDown:
+      return kTriangleDown;
+    case Marker::kDiamond:
+      return kDiamond;
+    case Marker::kCross:
+      return kCross;
+    default:
+      return {};
   }
 }
 
 }  // namespace
 
 std::string_view palette::cycle(std::size_t i) {
-  static constexpr std::array<std::string_view, 8> kColors{kBlue, kVermillion, kGreen, kOrange, kPurple, kSky, kBlack, kGrey};
+  static constexpr std::array<std::string_view, 8> kColors{kBlue,   kVermillion, kGreen, kOrange,
+                                                           kPurple, kSky,        kBlack, kGrey};
   return kColors[i % kColors.size()];
 }
 
@@ -65,10 +84,18 @@ std::string xml_escape(std::string_view text) {
   out.reserve(text.size());
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
       default:
         if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') out += c;
     }
@@ -131,7 +158,8 @@ void SvgCanvas::polygon(std::span<const double> x, std::span<const double> y, st
   body_ += fmt::format("<path d=\"{}Z\" fill=\"{}\"{}/>\n", path, fill, fill_opacity(opacity));
 }
 
-void SvgCanvas::rect(double x, double y, double w, double h, std::string_view fill, double opacity, const Stroke& stroke) {
+void SvgCanvas::rect(double x, double y, double w, double h, std::string_view fill, double opacity,
+                     const Stroke& stroke) {
   body_ += fmt::format(R"(<rect x="{}" y="{}" width="{}" height="{}" fill="{}"{})", px(x), px(y), px(w), px(h), fill,
                        fill_opacity(opacity));
   if (stroke.width > 0.0) body_ += stroke_attributes(stroke);
@@ -174,17 +202,20 @@ void SvgCanvas::text(double x, double y, std::string_view content, const TextSty
   if (style.anchor == TextAnchor::kMiddle) body_ += R"( text-anchor="middle")";
   if (style.anchor == TextAnchor::kEnd) body_ += R"( text-anchor="end")";
   if (style.bold) body_ += R"( font-weight="bold")";
-  if (style.rotate_deg != 0.0) body_ += fmt::format(" transform=\"rotate({} {} {})\"", px(-style.rotate_deg), px(x), px(y));
+  if (style.rotate_deg != 0.0)
+    body_ += fmt::format(" transform=\"rotate({} {} {})\"", px(-style.rotate_deg), px(x), px(y));
   body_ += fmt::format(">{}</text>\n", xml_escape(content));
 }
 
 void SvgCanvas::pixels(double x, double y, double w, double h, std::span<const float> values, int rows, int cols,
                        std::string_view color, int levels) {
-  if (rows < 1 || cols < 1 || levels < 1 || values.size() != static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols)) {
+  if (rows < 1 || cols < 1 || levels < 1 ||
+      values.size() != static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols)) {
     throw std::invalid_argument("svg.pixels: the values do not fill rows x cols, or levels < 1");
   }
   const auto level_of = [&](int row, int col) {
-    const double v = values[static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(col)];
+    const double v =
+        values[static_cast<std::size_t>(row) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(col)];
     return v > 0.0 ? static_cast<int>(std::ceil(std::min(v, 1.0) * levels)) : 0;
   };
   const double dx = w / cols, dy = h / rows;
@@ -211,20 +242,23 @@ void SvgCanvas::pixels(double x, double y, double w, double h, std::span<const f
 
 void SvgCanvas::begin_clip(double x, double y, double w, double h) {
   // A nested viewport clips without an id, so that several figures can share one HTML page.
-  body_ += fmt::format("<svg x=\"{0}\" y=\"{1}\" width=\"{2}\" height=\"{3}\" viewBox=\"{0} {1} {2} {3}\">\n", px(x), px(y), px(w),
-                       px(h));
+  body_ += fmt::format("<svg x=\"{0}\" y=\"{1}\" width=\"{2}\" height=\"{3}\" viewBox=\"{0} {1} {2} {3}\">\n", px(x),
+                       px(y), px(w), px(h));
 }
 
-void SvgCanvas::end_clip() { body_ += "</svg>\n"; }
+void SvgCanvas::end_clip() {
+  body_ += "</svg>\n";
+}
 
 void SvgCanvas::append(const SvgCanvas& part, double x, double y) {
   body_ += fmt::format("<g transform=\"translate({} {})\">\n{}</g>\n", px(x), px(y), part.body_);
 }
 
 std::string SvgCanvas::str(std::string_view title) const {
-  std::string out = fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
-                                "font-family=\"Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif\">\n",
-                                px(width_), px(height_));
+  std::string out = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
+      "font-family=\"Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif\">\n",
+      px(width_), px(height_));
   if (!title.empty()) out += fmt::format("<title>{}</title>\n", xml_escape(title));
   out += fmt::format("<rect width=\"{}\" height=\"{}\" fill=\"#ffffff\"/>\n", px(width_), px(height_));
   return out + body_ + "</svg>\n";

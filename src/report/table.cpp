@@ -27,14 +27,17 @@ std::string fixed(double value, int decimals) {
   return out;
 }
 
-std::string percent(double share, int decimals) { return fixed(100.0 * share, decimals); }
+std::string percent(double share, int decimals) {
+  return fixed(100.0 * share, decimals);
+}
 
 std::string Table::markdown() const {
   std::string out;
   if (!caption.empty()) out += fmt::format("{}\n\n", caption);
   const auto line = [&](const std::vector<std::string>& cells) {
     out += "|";
-    for (std::size_t i = 0; i < header.size(); ++i) out += fmt::format(" {} |", i < cells.size() ? markdown_cell(cells[i]) : "");
+    for (std::size_t i = 0; i < header.size(); ++i)
+      out += fmt::format(" {} |", i < cells.size() ? markdown_cell(cells[i]) : "");
     out += "\n";
   };
   line(header);

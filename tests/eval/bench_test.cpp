@@ -97,7 +97,8 @@ TEST(Bench, JsonHasARowPerDatasetClassAndMethodWithEveryField) {
       EXPECT_GE(row.at("success").at("high").get<double>(), row.at("success").at("share").get<double>());
     }
     for (const char* axis : {"x_m", "y_m", "rotation_deg"}) {
-      for (const char* what : {"mean", "variance", "std", "median"}) EXPECT_TRUE(row.at("errors").at(axis).contains(what));
+      for (const char* what : {"mean", "variance", "std", "median"})
+        EXPECT_TRUE(row.at("errors").at(axis).contains(what));
     }
     for (const char* step : {"total", "image", "missing", "rotation", "translation", "refine"}) {
       for (const char* what : {"mean", "p50", "p95", "p99"}) EXPECT_TRUE(row.at("ms").at(step).contains(what));

@@ -26,7 +26,8 @@ MatchResult answer(const Pose2& pose, bool usable) {
 TEST(Judge, SuccessIsCloserThanTenCentimetresAndThreeDegreesWhateverUsableSays) {
   const ScanPair pair = make_pair("d", "small", Pose2{1.0, 2.0, kPi - 0.01});
   const auto right = [&](double dx, double dy, double turn_deg, bool usable) {
-    return judge(pair, answer({1.0 + dx, 2.0 + dy, wrap_angle(kPi - 0.01 + deg_to_rad(turn_deg))}, usable), 0, 0.5).right;
+    return judge(pair, answer({1.0 + dx, 2.0 + dy, wrap_angle(kPi - 0.01 + deg_to_rad(turn_deg))}, usable), 0, 0.5)
+        .right;
   };
   EXPECT_TRUE(right(0.0, 0.0, 0.0, false));
   EXPECT_TRUE(right(0.0999, 0.0, 2.99, true));  // the heading crosses the seam
@@ -46,12 +47,12 @@ TEST(Judge, NeesIsTheErrorInUnitsOfItsCovariance) {
 TEST(PairRows, HonestyCountsByHand) {
   std::vector<PairOutcome> outcomes;
   const ScanPair known = make_pair("a", "small", Pose2{}), none = make_pair("a", "none", std::nullopt);
-  outcomes.push_back(judge(known, answer({}, true), 0, 1));               // right & usable
-  outcomes.push_back(judge(known, answer({0.05, 0, 0}, false), 0, 1));    // right & refused
-  outcomes.push_back(judge(known, answer({0.5, 0, 0}, false), 0, 1));     // wrong & refused
-  outcomes.push_back(judge(known, answer({0.5, 0, 0}, true), 0, 1));      // wrong & usable
-  outcomes.push_back(judge(known, answer({-0.03, 0, 0.01}, true), 0, 1)); // right & usable
-  outcomes.push_back(judge(none, answer({}, true), 0, 1));                // any usable answer is wrong
+  outcomes.push_back(judge(known, answer({}, true), 0, 1));                // right & usable
+  outcomes.push_back(judge(known, answer({0.05, 0, 0}, false), 0, 1));     // right & refused
+  outcomes.push_back(judge(known, answer({0.5, 0, 0}, false), 0, 1));      // wrong & refused
+  outcomes.push_back(judge(known, answer({0.5, 0, 0}, true), 0, 1));       // wrong & usable
+  outcomes.push_back(judge(known, answer({-0.03, 0, 0.01}, true), 0, 1));  // right & usable
+  outcomes.push_back(judge(none, answer({}, true), 0, 1));                 // any usable answer is wrong
   outcomes.push_back(judge(none, answer({}, false), 0, 1));
   const std::vector<PairRow> rows = pair_rows(outcomes);
   ASSERT_EQ(rows.size(), 2u);
@@ -80,7 +81,8 @@ TEST(PairRows, OrderIsKnownClassesThenOthersAndTotalsAddUp) {
     for (const char* dataset : {"b", "a"}) {
       for (std::size_t method = 0; method < 2; ++method) {
         const bool none = std::string(cls) == "none";
-        outcomes.push_back(judge(make_pair(dataset, cls, none ? std::nullopt : std::optional<Pose2>(Pose2{})), answer({}, true), method, 1));
+        outcomes.push_back(judge(make_pair(dataset, cls, none ? std::nullopt : std::optional<Pose2>(Pose2{})),
+                                 answer({}, true), method, 1));
       }
     }
   }

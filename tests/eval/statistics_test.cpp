@@ -96,7 +96,8 @@ TEST(CalibrationError, AgreesWithBinningByHand) {
     for (int bin = 0; bin < 10; ++bin) {
       double n = 0, confidence = 0, right = 0;
       for (const Judgement& j : all) {
-        const bool inside = bin == 9 ? j.confidence >= 0.9 : j.confidence * 10.0 >= bin && j.confidence * 10.0 < bin + 1;
+        const bool inside =
+            bin == 9 ? j.confidence >= 0.9 : j.confidence * 10.0 >= bin && j.confidence * 10.0 < bin + 1;
         if (!inside) continue;
         n += 1;
         confidence += j.confidence;

@@ -75,8 +75,8 @@ TEST(Chart, TicksAreRoundNumbersInsideTheLimits) {
 }
 
 TEST(Chart, EveryKindOfSeriesIsWellFormedAlsoWithNothingInIt) {
-  for (const SeriesKind kind : {SeriesKind::kLine, SeriesKind::kPoints, SeriesKind::kDots, SeriesKind::kBars, SeriesKind::kBoxes,
-                                SeriesKind::kBand}) {
+  for (const SeriesKind kind : {SeriesKind::kLine, SeriesKind::kPoints, SeriesKind::kDots, SeriesKind::kBars,
+                                SeriesKind::kBoxes, SeriesKind::kBand}) {
     for (const bool filled : {false, true}) {
       Chart chart;
       chart.title = "A <title>";

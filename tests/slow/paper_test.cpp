@@ -18,12 +18,13 @@ TEST(Paper, QuickRunHasEveryFigureAndTableAndTheSameBytesOnOneAndTwoThreads) {
   options.threads = 2;
   const PaperFiles two = run_paper(options);
   ASSERT_EQ(one.size(), two.size());
-  for (const auto& [name, content] : one) EXPECT_TRUE(content == two.at(name)) << name << " differs between 1 and 2 threads";
+  for (const auto& [name, content] : one)
+    EXPECT_TRUE(content == two.at(name)) << name << " differs between 1 and 2 threads";
 
-  for (const char* figure : {"fig02_scan_image", "fig03_missing_data", "missing_data_stability", "fig08_steps", "fig09_methods_printed",
-                             "fig09_methods_ours", "fig10_success", "fig10_scenes", "fig10_overlap", "fig11_trajectories",
-                             "fig11_error_over_time", "fig11_error_by_speed", "fig11_roughness", "fig12_maps_every_scan",
-                             "fig12_maps_once_a_second"}) {
+  for (const char* figure : {"fig02_scan_image", "fig03_missing_data", "missing_data_stability", "fig08_steps",
+                             "fig09_methods_printed", "fig09_methods_ours", "fig10_success", "fig10_scenes",
+                             "fig10_overlap", "fig11_trajectories", "fig11_error_over_time", "fig11_error_by_speed",
+                             "fig11_roughness", "fig12_maps_every_scan", "fig12_maps_once_a_second"}) {
     const std::string name = std::string("figures/") + figure + ".svg";
     ASSERT_TRUE(one.contains(name)) << name;
     EXPECT_EQ(xml_error(one.at(name)), "") << name;

@@ -8,8 +8,8 @@
 
 namespace phasescan {
 
-/// Empty if `text` is one well-formed element tree (tags nest, attributes are quoted and unique, entities are known); else what
-/// is wrong and where. Void elements of HTML and <!DOCTYPE html> are accepted.
+/// Empty if `text` is one well-formed element tree (tags nest, attributes are quoted and unique, entities are known);
+/// else what is wrong and where. Void elements of HTML and <!DOCTYPE html> are accepted.
 inline std::string xml_error(std::string_view text) {
   std::vector<std::string> open;
   std::size_t i = 0;
@@ -21,7 +21,9 @@ inline std::string xml_error(std::string_view text) {
     }
     return false;
   };
-  const auto is_void = [](const std::string& name) { return name == "meta" || name == "br" || name == "hr" || name == "img"; };
+  const auto is_void = [](const std::string& name) {
+    return name == "meta" || name == "br" || name == "hr" || name == "img";
+  };
   while (i < text.size()) {
     if (text[i] == '&' && !entity_ok(i)) return fail("unknown entity");
     if (text[i] == '>') return fail("stray >");
@@ -53,7 +55,8 @@ inline std::string xml_error(std::string_view text) {
         continue;
       }
       std::string key;
-      while (i < text.size() && text[i] != '=' && text[i] != '>' && !std::isspace(static_cast<unsigned char>(text[i]))) key += text[i++];
+      while (i < text.size() && text[i] != '=' && text[i] != '>' && !std::isspace(static_cast<unsigned char>(text[i])))
+        key += text[i++];
       if (text.substr(i, 2) != "=\"") return fail("attribute '" + key + "' without a quoted value");
       for (const std::string& other : attributes) {
         if (other == key) return fail("attribute '" + key + "' twice");

@@ -36,8 +36,8 @@ using PairSource = std::function<std::optional<BenchPair>()>;
 /// A source over pairs in memory; they must outlive it.
 PairSource pair_source(const std::vector<ScanPair>& pairs);
 
-/// The lines of a pairs file. A pair of any class but `none` must have a truth; a pair without a dataset takes the file's name.
-/// The source throws InputError with the line of whatever cannot be used.
+/// The lines of a pairs file. A pair of any class but `none` must have a truth; a pair without a dataset takes the
+/// file's name. The source throws InputError with the line of whatever cannot be used.
 PairSource file_source(const std::string& path);
 
 /// The first `count` pairs of a generator, made on `threads` threads.
@@ -59,7 +59,8 @@ struct BenchRun {
 
 /// Matches every pair with every method. Memory: a block of 512 pairs at a time.
 /// @throws what the source throws; std::invalid_argument for options out of bounds.
-BenchRun run_bench(const PairSource& source, const std::vector<BenchMethod>& methods, const BenchSettings& settings = {});
+BenchRun run_bench(const PairSource& source, const std::vector<BenchMethod>& methods,
+                   const BenchSettings& settings = {});
 
 /// CPU time of one 128 x 128 real-to-complex float FFT: the median of `repeats` [ms].
 double time_reference_fft(int repeats = 101);

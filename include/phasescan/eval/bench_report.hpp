@@ -27,13 +27,16 @@ std::string bench_json(const BenchRun& run, const std::vector<BenchMethod>& meth
 std::string bench_markdown(const BenchRun& run, const std::vector<BenchMethod>& methods, const BenchInfo& info);
 
 /// File name (without folder) -> SVG.
-std::map<std::string, std::string> bench_figures(const BenchRun& run, const std::vector<BenchMethod>& methods, const BenchInfo& info);
+std::map<std::string, std::string> bench_figures(const BenchRun& run, const std::vector<BenchMethod>& methods,
+                                                 const BenchInfo& info);
 
 /// The parts, for other reports.
 Table success_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods);
 Table error_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods);
 Table time_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods, double fft_ms);
-Chart success_chart(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods, const std::string& title);
-Chart overlap_chart(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods, const std::string& title);
+Chart success_chart(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods,
+                    const std::string& title);
+Chart overlap_chart(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods,
+                    const std::string& title);
 
 }  // namespace phasescan

@@ -31,9 +31,10 @@ struct PairOutcome {
   std::optional<double> confidence;
   double nees = std::numeric_limits<double>::quiet_NaN();     ///< e^T C^-1 e; NaN without a truth or for a singular C
   double overlap = std::numeric_limits<double>::quiet_NaN();  ///< of the two scans at the true pose, see scan_overlap
-  double efficiency = std::numeric_limits<double>::quiet_NaN();  ///< e^T J e, J the information of both scans; NaN where unknown
-  double weak_sigma_m = 0.0;      ///< largest standard deviation J leaves in any direction [m]; 0 where J is unknown
-  double error_across_m = 0.0;    ///< error across that direction [m]
+  double efficiency =
+      std::numeric_limits<double>::quiet_NaN();  ///< e^T J e, J the information of both scans; NaN where unknown
+  double weak_sigma_m = 0.0;    ///< largest standard deviation J leaves in any direction [m]; 0 where J is unknown
+  double error_across_m = 0.0;  ///< error across that direction [m]
   bool ambiguous = false;
   RotationSource rotation_source = RotationSource::kNone;
   MatchTimes ms;
@@ -48,8 +49,9 @@ inline constexpr double kWeakSigma_m = 0.05;
 PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t method, double overlap,
                   const std::optional<Eigen::Matrix3d>& information = {});
 
-/// How much of the two scans shows the same surfaces: of each scan the share of hits that have a hit of the other within
-/// 0.1 m + 1.5 times the gap between the other's beams at that range; the smaller of the two shares. 0 if either has no hit.
+/// How much of the two scans shows the same surfaces: of each scan the share of hits that have a hit of the other
+/// within 0.1 m + 1.5 times the gap between the other's beams at that range; the smaller of the two shares. 0 if either
+/// has no hit.
 /// @cost O(n m)
 double scan_overlap(const Scan& reference, const Scan& scan, const Pose2& T_ref_scan);
 

@@ -12,7 +12,8 @@
 namespace phasescan {
 
 /// Stages whose time is reported, in the order of the pipeline; the first is the whole match.
-inline constexpr std::array<const char*, 6> kTimedSteps{"total", "image", "missing", "rotation", "translation", "refine"};
+inline constexpr std::array<const char*, 6> kTimedSteps{"total",    "image",       "missing",
+                                                        "rotation", "translation", "refine"};
 std::array<double, 6> step_ms(const MatchTimes& ms);
 
 /// Mean and percentiles of the CPU time of one step [ms].
@@ -34,13 +35,14 @@ struct PairRow {
   Moments x_m, y_m, rotation_deg;  ///< of the absolute errors of the successes
   std::size_t with_confidence = 0;
   double auc, calibration_error;
-  double nees_below;  ///< share of e^T C^-1 e below 7.81 (95 % of chi-square with 3 degrees) among usable answers with a truth
+  double nees_below;  ///< share of e^T C^-1 e below 7.81 (95 % of chi-square with 3 degrees) among usable answers with
+                      ///< a truth
   double efficiency;  ///< sqrt(mean(e^T J e) / 3) over the successes that are not weak: 1 is the Cramer-Rao bound
-  std::size_t weak = 0;             ///< pairs whose position cannot be known in some direction (sigma above 0.05 m)
-  std::size_t weak_ambiguous = 0;   ///< of those, called ambiguous
-  std::size_t weak_across = 0;      ///< of those, error across that direction below 0.1 m
+  std::size_t weak = 0;            ///< pairs whose position cannot be known in some direction (sigma above 0.05 m)
+  std::size_t weak_ambiguous = 0;  ///< of those, called ambiguous
+  std::size_t weak_across = 0;     ///< of those, error across that direction below 0.1 m
   std::array<std::size_t, 6> rotation_sources{};  ///< by RotationSource
-  std::size_t shortcut_right = 0;  ///< successes whose rotation came from the missing data
+  std::size_t shortcut_right = 0;                 ///< successes whose rotation came from the missing data
   std::array<TimeRow, 6> times;
 
   double success() const;  ///< right / with_truth
@@ -49,8 +51,8 @@ struct PairRow {
 /// Sums up outcomes, which may come in any order.
 PairRow sum_up(std::span<const PairOutcome* const> outcomes);
 
-/// A row per dataset x class x method: datasets as they first come, classes small, middle, large, global, none and then others
-/// as they first come, methods by index.
+/// A row per dataset x class x method: datasets as they first come, classes small, middle, large, global, none and then
+/// others as they first come, methods by index.
 std::vector<PairRow> pair_rows(const std::vector<PairOutcome>& outcomes);
 /// A row per dataset x method (class "all"), per class x method (dataset "all") and, last, per method.
 std::vector<PairRow> pair_totals(const std::vector<PairOutcome>& outcomes);

@@ -1,5 +1,5 @@
-/// The experiments of [Jiang19] Sec. 5, repeated on simulated RPLidar A1 data: the method as printed and with this project's
-/// defaults side by side.
+/// The experiments of [Jiang19] Sec. 5, repeated on simulated RPLidar A1 data: the method as printed and with this
+/// project's defaults side by side.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,8 @@ struct PaperOptions {
   std::uint64_t seed = 2019;
   std::vector<std::string> pairs;  ///< pairs files on which Fig. 10 and Table 2 are repeated
   int threads = 1;
-  bool times = true;  ///< false: Tables 3 and 4 are left out and the output is the same, byte for byte, for any thread count
+  bool times =
+      true;  ///< false: Tables 3 and 4 are left out and the output is the same, byte for byte, for any thread count
   std::string version;
 };
 

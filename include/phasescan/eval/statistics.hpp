@@ -44,7 +44,8 @@ struct ReliabilityBin {
 };
 std::vector<ReliabilityBin> reliability(std::span<const Judgement> judgements, int bins = 10);
 
-/// Expected calibration error [Naeini15]: |share right - mean confidence| averaged over the bins by their counts. NaN for none.
+/// Expected calibration error [Naeini15]: |share right - mean confidence| averaged over the bins by their counts. NaN
+/// for none.
 double calibration_error(std::span<const Judgement> judgements, int bins = 10);
 
 }  // namespace phasescan

@@ -25,9 +25,9 @@ struct Series {
   std::string name;  ///< empty: not in the legend
   std::vector<double> x, y;
   std::vector<double> low = {}, high = {};  ///< whisker ends (kBars, kPoints, kLine), band edges or whiskers of boxes
-  std::vector<double> q1 = {}, q3 = {};  ///< kBoxes
-  std::string color = {};  ///< empty: the next of the palette
-  double width = 1.6;             ///< of the line, or diameter of a dot [px]
+  std::vector<double> q1 = {}, q3 = {};     ///< kBoxes
+  std::string color = {};                   ///< empty: the next of the palette
+  double width = 1.6;                       ///< of the line, or diameter of a dot [px]
   std::string dash = {};
   double opacity = 1.0;
   Marker marker = Marker::kNone;
@@ -38,8 +38,8 @@ struct Series {
 struct ChartAxis {
   std::string label;
   std::optional<double> min, max;
-  bool log = false;                ///< decades; values must be positive
-  bool from_zero = false;          ///< limits from the data, but with 0 inside
+  bool log = false;        ///< decades; values must be positive
+  bool from_zero = false;  ///< limits from the data, but with 0 inside
   std::vector<std::string> categories;
 };
 
@@ -60,7 +60,7 @@ struct Chart {
   std::vector<Series> series;
   std::vector<ChartNote> notes;
   LegendPlace legend = LegendPlace::kBelow;
-  bool equal = false;     ///< one unit is as long on x as on y
+  bool equal = false;  ///< one unit is as long on x as on y
   bool grid = true;
   bool frameless = false;  ///< no ticks and labels, only the frame
   /// Grey levels behind everything, row 0 on top, stretched over the limits of the axes (which must be given).

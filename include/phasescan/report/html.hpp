@@ -1,4 +1,5 @@
-/// A report in one HTML file: headings, text, tables and embedded SVG, readable on a phone, on paper and with no network.
+/// A report in one HTML file: headings, text, tables and embedded SVG, readable on a phone, on paper and with no
+/// network.
 #pragma once
 
 #include <string>

@@ -10,13 +10,16 @@
 
 namespace phasescan {
 
-/// One chart with the reference's hits and the scan's hits taken into the reference frame by `T_ref_scan`, both sensors marked.
+/// One chart with the reference's hits and the scan's hits taken into the reference frame by `T_ref_scan`, both sensors
+/// marked.
 Chart scan_pair_chart(const Scan& reference, const Scan& scan, const Pose2& T_ref_scan, const std::string& title);
 
-/// The whole figure: the pair as it came (at `guess`, identity without one), at the pose found, and at up to two alternatives.
-/// Under each panel stands its pose; with `truth` also the error. Works for empty scans and answers that are not usable.
+/// The whole figure: the pair as it came (at `guess`, identity without one), at the pose found, and at up to two
+/// alternatives. Under each panel stands its pose; with `truth` also the error. Works for empty scans and answers that
+/// are not usable.
 std::string scan_pair_svg(const Scan& reference, const Scan& scan, const MatchResult& result,
-                          const std::optional<Pose2>& truth = {}, const Pose2& guess = {}, const std::string& title = {});
+                          const std::optional<Pose2>& truth = {}, const Pose2& guess = {},
+                          const std::string& title = {});
 
 /// "x 0.412 m, y -0.103 m, 20.4 deg".
 std::string pose_text(const Pose2& pose);

@@ -1,4 +1,5 @@
-/// A small SVG canvas: the few shapes that figures are made of, written as compact text that needs nothing else to be shown.
+/// A small SVG canvas: the few shapes that figures are made of, written as compact text that needs nothing else to be
+/// shown.
 #pragma once
 
 #include <span>
@@ -60,15 +61,18 @@ class SvgCanvas {
   void line(double x1, double y1, double x2, double y2, const Stroke& stroke);
   void polyline(std::span<const double> x, std::span<const double> y, const Stroke& stroke);
   void polygon(std::span<const double> x, std::span<const double> y, std::string_view fill, double opacity = 1.0);
-  void rect(double x, double y, double w, double h, std::string_view fill, double opacity = 1.0, const Stroke& stroke = {"none", 0.0});
+  void rect(double x, double y, double w, double h, std::string_view fill, double opacity = 1.0,
+            const Stroke& stroke = {"none", 0.0});
   void circle(double x, double y, double radius, const Stroke& stroke);
   /// Many round dots of one colour in one element.
-  void dots(std::span<const double> x, std::span<const double> y, double diameter, std::string_view color, double opacity = 1.0);
+  void dots(std::span<const double> x, std::span<const double> y, double diameter, std::string_view color,
+            double opacity = 1.0);
   void marker(double x, double y, Marker shape, double size, std::string_view color);
   void text(double x, double y, std::string_view content, const TextStyle& style = {});
-  /// Row-major grey levels in [0, 1] (0 leaves the background) drawn as `levels` shades of `color` in the box; row 0 on top.
-  void pixels(double x, double y, double w, double h, std::span<const float> values, int rows, int cols, std::string_view color,
-              int levels = 1);
+  /// Row-major grey levels in [0, 1] (0 leaves the background) drawn as `levels` shades of `color` in the box; row 0 on
+  /// top.
+  void pixels(double x, double y, double w, double h, std::span<const float> values, int rows, int cols,
+              std::string_view color, int levels = 1);
   /// Everything until end_clip() shows only inside the box.
   void begin_clip(double x, double y, double w, double h);
   void end_clip();

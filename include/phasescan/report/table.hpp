@@ -6,7 +6,8 @@
 
 namespace phasescan {
 
-/// Rows of cells under a header. The first `text_columns` columns are words and stand left, the others are numbers and stand right.
+/// Rows of cells under a header. The first `text_columns` columns are words and stand left, the others are numbers and
+/// stand right.
 struct Table {
   std::string caption;
   std::vector<std::string> header;
