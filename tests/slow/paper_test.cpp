@@ -30,7 +30,9 @@ TEST(Paper, QuickRunHasEveryFigureAndTableAndTheSameBytesOnOneAndTwoThreads) {
     EXPECT_EQ(xml_error(one.at(name)), "") << name;
   }
   for (const auto& [name, content] : one) {
-    if (name.starts_with("data/")) EXPECT_FALSE(nlohmann::json::parse(content).empty()) << name;
+    if (name.starts_with("data/")) {
+      EXPECT_FALSE(nlohmann::json::parse(content).empty()) << name;
+    }
   }
   const std::string& report = one.at("report.html");
   EXPECT_EQ(xml_error(report), "");
