@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "phasescan/io/config.hpp"
 #include "phasescan/match/scan_matcher.hpp"
 #include "support/rooms.hpp"
 
@@ -199,23 +200,18 @@ TEST(FftIcp2, TakesTheRotationFromMissingDataWhereItIsSure) {
   EXPECT_EQ(match_scans(with_gaps({}), with_gaps(truth), options).rotation_source, RotationSource::kSpectrum);
 }
 
-TEST(FftIcp2, AsPrintedAlsoFindsASmallMotion) {
-  MatchOptions options;
-  options.match.method = MatchMethod::kFftIcp2;
-  options.image = {
-      .size = 128, .fft_size = 256, .dmax_m = 3.5, .adaptive_factor = 0.0, .blur_px = 0.0, .connect_m = 0.0};
-  options.rotation.mode = RotationMode::kRadiusSum;
-  options.rotation.whiten = true;
-  options.rotation.twin = false;
-  options.translation.mode = TranslationMode::kProjections;
-  options.translation.whitening = 1.0;
-  options.icp.gate_m = 0.0;
-  options.icp.coarse_step = 1;
-  options.missing.verify_score = options.missing.verify_overlap = 0.0;
+TEST(PaperStrict, TheConfigurationLoadsAndEveryMethodFindsASmallMotion) {
+  MatchOptions options = load_config(PHASESCAN_SOURCE_DIR "/configs/paper-strict.yaml").match;
+  EXPECT_EQ(options.translation.mode, TranslationMode::kProjections);
+  EXPECT_EQ(options.translation.whitening, 1.0);
+  EXPECT_EQ(options.icp.gate_m, 0.0);
   const Pose2 truth{0.05, -0.05, deg_to_rad(5)};
-  const MatchResult result = match_scans(test::cast_room({}, 360), test::cast_room(truth, 360), options);
-  expect_sane(result);
-  expect_near(result.T_ref_scan, truth, 0.1, 3.0);
+  for (const MatchMethod method : kMethods) {
+    options.match.method = method;
+    const MatchResult result = match_scans(test::cast_room({}, 360), test::cast_room(truth, 360), options);
+    expect_sane(result);
+    expect_near(result.T_ref_scan, truth, 0.1, 3.0);
+  }
 }
 
 }  // namespace
