@@ -66,6 +66,9 @@ IcpResult Icp::align(const PointIndex& reference, const ScanPoints& scan, const 
   warm_.assign(n, Warm{0.0F, 0.0F, -1.0F, 0});
   squared_.resize(n);
   pairs_.reserve(n);
+  // On the way a fair sample of the points is enough.
+  const auto sample = static_cast<std::size_t>(options_.coarse_points);
+  const std::size_t coarse_step = sample > 0 ? std::max<std::size_t>(1, n / sample) : 1;
   const double turn_tolerance = deg_to_rad(options_.tolerance_deg);
 
   for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
@@ -76,9 +79,7 @@ IcpResult Icp::align(const PointIndex& reference, const ScanPoints& scan, const 
       x_[i] = c * scan.x[i] - s * scan.y[i] + tx;
       y_[i] = s * scan.x[i] + c * scan.y[i] + ty;
     }
-    // A few dozen points are enough on the way; small scans keep all.
-    const bool coarse = gate > gate_end && n >= 50 * static_cast<std::size_t>(options_.coarse_step);
-    find_pairs(reference, gate, coarse ? static_cast<std::size_t>(options_.coarse_step) : 1);
+    find_pairs(reference, gate, gate > gate_end ? coarse_step : 1);
     result.iterations = iteration + 1;
     result.pairs = static_cast<int>(pairs_.size());
     if (pairs_.size() < 2) break;

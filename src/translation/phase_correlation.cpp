@@ -142,10 +142,13 @@ void TranslationEstimator::describe(const Image& image, TranslationSpectrum& out
     projections_.assign(2 * n, 0.0F);
     for (std::size_t r = 0; r < n; ++r) {
       const float* row = image.row(static_cast<int>(r));
-      for (std::size_t c = 0; c < n; ++c) {
-        projections_[c] += row[c];
-        projections_[n + r] += row[c];
+      for (std::size_t c = 0; c < n; ++c) projections_[c] += row[c];
+      float lanes[4] = {0.0F, 0.0F, 0.0F, 0.0F};
+      for (std::size_t c = 0; c + 4 <= n; c += 4) {
+        for (std::size_t k = 0; k < 4; ++k) lanes[k] += row[c + k];
       }
+      for (std::size_t c = n - n % 4; c < n; ++c) lanes[0] += row[c];
+      projections_[n + r] = lanes[0] + lanes[1] + lanes[2] + lanes[3];
     }
     fft_.forward(projections_, out.values);
   }

@@ -214,5 +214,16 @@ TEST(PaperStrict, TheConfigurationLoadsAndEveryMethodFindsASmallMotion) {
   }
 }
 
+TEST(FftMethods, TheAnswerDoesNotDependOnTheFftLibrary) {
+  // What the build with FFTW answers; a build with KissFFT runs the same test.
+  const Scan reference = test::cast_room({}, 360, 0.01, 0.02, 1),
+             scan = test::cast_room({0.5, -0.4, 1.8}, 360, 0.01, 0.02, 2);
+  MatchOptions options;
+  options.match.method = MatchMethod::kFft;
+  expect_near(match_scans(reference, scan, options).T_ref_scan, {0.504449, -0.400109, 1.799646}, 1e-4, 0.01);
+  options.match.method = MatchMethod::kFftIcp2;
+  expect_near(match_scans(reference, scan, options).T_ref_scan, {0.499738, -0.400752, 1.800089}, 1e-4, 0.01);
+}
+
 }  // namespace
 }  // namespace phasescan

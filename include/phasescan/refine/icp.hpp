@@ -21,7 +21,7 @@ struct IcpOptions {
   double gate_shrink = 0.6;
   double gate_start_m = 2.0;
   double gate_start_shrink = 0.9;
-  int coarse_step = 3;
+  int coarse_points = 100;
   double trim = 1.0;
   double tolerance_m = 1e-4;
   double tolerance_deg = 0.005;
@@ -39,8 +39,8 @@ struct IcpOptions {
       OptionInfo{"m", "gate of the first iteration where there is no first estimate", 0, 1000});
     v("gate_start_shrink", self.gate_start_shrink,
       OptionInfo{"", "factor of that gate per iteration, until gate_m", 0.01, 1});
-    v("coarse_step", self.coarse_step,
-      OptionInfo{"", "while the gate shrinks only every n-th point is paired; 1: every point always", 1, 100});
+    v("coarse_points", self.coarse_points,
+      OptionInfo{"", "while the gate shrinks about this many points are paired, evenly chosen; 0: all", 0, 1e6});
     v("trim", self.trim, OptionInfo{"", "share of the pairs kept, the nearest first", 0.05, 1});
     v("tolerance_m", self.tolerance_m, OptionInfo{"m", "converged when an iteration moves less", 0, 1});
     v("tolerance_deg", self.tolerance_deg, OptionInfo{"deg", "converged when an iteration turns less", 0, 180});
