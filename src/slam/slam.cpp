@@ -1,1 +1,116 @@
-#include "phasescan/core/pose2.hpp"
+#include "phasescan/slam/slam.hpp"
+
+#include <cmath>
+#include <future>
+
+#include "phasescan/slam/polish.hpp"
+
+namespace phasescan {
+
+/// The backend's thread, if there is one: at most one batch is in work.
+struct Slam::Worker {
+  std::future<void> running;
+  void wait() {
+    if (running.valid()) running.get();
+  }
+};
+
+Slam::Slam(const SlamOptions& options, int threads)
+    : options_(options), threads_(threads), odometry_(options.odometry), backend_(std::make_unique<Backend>(options)), worker_(std::make_unique<Worker>()) {
+  options_.validate();
+}
+
+Slam::~Slam() {
+  if (worker_ && worker_->running.valid()) worker_->running.wait();
+}
+
+OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& odometry) {
+  const OdometryStep step = odometry_.add(scan, mount, odometry);
+  if (step.is_keyframe) {
+    Keyframe keyframe;
+    keyframe.points = odometry_.last_points();
+    keyframe.T_odom_base = step.T_odom_mid;
+    keyframe.information = step.information;
+    keyframe.new_segment = step.new_segment;
+    keyframe.scan = static_cast<std::int64_t>(records_.size());
+    keyframe.stored = store_.size();
+    keyframe.twist = step.twist;
+    keyframe.T_mid_stamp = step.T_odom_mid.inverse() * step.T_odom_stamp;
+    const MapPoints& points = *keyframe.points;
+    for (std::size_t i = 0; i < points.size(); ++i) keyframe.centre += Eigen::Vector2d(points.x[i], points.y[i]);
+    if (points.size() > 0) keyframe.centre /= static_cast<double>(points.size());
+    T_odom_keyframe_ = step.T_odom_mid;
+    ++keyframes_;
+    batch_.push_back(std::move(keyframe));
+  }
+  const Pose2 relative = T_odom_keyframe_.inverse() * step.T_odom_stamp;
+  records_.push_back({scan.stamp, keyframes_ - 1, static_cast<float>(relative.x), static_cast<float>(relative.y), static_cast<float>(relative.theta)});
+  if (step.is_keyframe || (options_.slam.polish && !options_.slam.bounded_memory)) store_.add(scan, mount);
+  if (batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
+  return step;
+}
+
+void Slam::repeat(const Scan& scan, const LaserMount& mount) {
+  records_.push_back(records_.empty() ? ScanRecord{} : records_.back());
+  records_.back().stamp = scan.stamp;
+  if (options_.slam.polish && !options_.slam.bounded_memory) store_.add(scan, mount);
+}
+
+void Slam::hand_over() {
+  worker_->wait();
+  std::vector<Keyframe> batch;
+  batch.swap(batch_);
+  if (threads_ > 1) {
+    worker_->running = std::async(std::launch::async, [this, batch = std::move(batch)]() mutable { backend_->add_batch(std::move(batch)); });
+  } else {
+    backend_->add_batch(std::move(batch));
+  }
+}
+
+void Slam::finish() {
+  if (!batch_.empty()) hand_over();
+  worker_->wait();
+  backend_->finish();
+  if (options_.slam.polish && !options_.slam.bounded_memory && !records_.empty()) {
+    polished_ = polish_trajectory(*backend_, store_, trajectory(), records_, options_.odometry);
+  }
+}
+
+std::vector<Pose2> Slam::trajectory() const {
+  if (!records_.empty() && polished_.size() == records_.size()) return polished_;
+  return anchored(backend_->poses());
+}
+
+OccupancyGrid Slam::render_map() const {
+  OccupancyGrid grid(options_.map);
+  const bool polished = !records_.empty() && polished_.size() == records_.size();
+  for (std::size_t i = 0; i < backend_->keyframes().size(); ++i) {
+    const Keyframe& keyframe = backend_->keyframes()[i];
+    const LaserMount& mount = store_.mount(keyframe.stored);
+    const Pose2 T_map_stamp = polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend_->poses()[i] * keyframe.T_mid_stamp;
+    Twist2 twist = options_.odometry.deskew ? mount.laser_twist(keyframe.twist) : Twist2{};
+    if (mount.flipped) twist = {twist.vx, -twist.vy, -twist.omega};
+    grid.add_scan(store_.scan(keyframe.stored), T_map_stamp * mount.T_base_laser, mount.flipped, twist);
+  }
+  return grid;
+}
+
+std::vector<Pose2> Slam::odometry_trajectory() const {
+  std::vector<Pose2> poses;
+  poses.reserve(backend_->keyframes().size());
+  for (const Keyframe& keyframe : backend_->keyframes()) poses.push_back(keyframe.T_odom_base);
+  return anchored(poses);
+}
+
+std::vector<Pose2> Slam::anchored(const std::vector<Pose2>& keyframe_poses) const {
+  std::vector<Pose2> out;
+  out.reserve(records_.size());
+  for (const ScanRecord& r : records_) {
+    const Pose2 T_keyframe_stamp{static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.theta)};
+    const bool known = r.keyframe >= 0 && static_cast<std::size_t>(r.keyframe) < keyframe_poses.size();
+    out.push_back(known ? keyframe_poses[static_cast<std::size_t>(r.keyframe)] * T_keyframe_stamp : T_keyframe_stamp);
+  }
+  return out;
+}
+
+}  // namespace phasescan

@@ -5,17 +5,20 @@
 
 #include "phasescan/io/option_table.hpp"
 #include "phasescan/match/options.hpp"
+#include "phasescan/slam/options.hpp"
 
 namespace phasescan {
 
 /// The options of all stages.
 struct Config {
   MatchOptions match;
+  SlamOptions slam;
 
   /// Calls v(section_name, section_struct) for every section, in the order of `config --dump`.
   template <class Self, class Visitor>
   static void visit_sections(Self& self, Visitor&& v) {
     MatchOptions::visit_sections(self.match, v);
+    SlamOptions::visit_sections(self.slam, v);
   }
 };
 

@@ -1,0 +1,139 @@
+// phasescan slam LOG --out DIR: a trajectory and a map from a log.
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+
+#include "commands.hpp"
+#include "phasescan/core/time.hpp"
+#include "phasescan/io/error.hpp"
+#include "phasescan/io/file.hpp"
+#include "phasescan/io/odometry_source.hpp"
+#include "slam_output.hpp"
+
+namespace phasescan::app {
+namespace {
+
+struct SlamFlags {
+  CommonFlags common;
+  std::string log, out, topic, odometry = "auto";
+  double range_max = 0.0;
+  int beam_step = 1;
+};
+
+double wall_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// Scans done and scans/s, on a terminal.
+class ScanProgress {
+ public:
+  ~ScanProgress() {
+    if (shown_ && written_) std::fputs("\r\033[K", stderr);
+  }
+  void step(std::size_t scans) {
+    if (!shown_ || scans % 100 != 0) return;
+    std::fprintf(stderr, "\rslam %zu scans, %.0f scans/s\033[K", scans, static_cast<double>(scans) / std::max(1e-3, wall_seconds() - start_));
+    written_ = true;
+  }
+
+ private:
+  bool shown_ = ::isatty(STDERR_FILENO) == 1, written_ = false;
+  double start_ = wall_seconds();
+};
+
+/// Reads to the end of the log or until the user stops it.
+void feed(LogReader& reader, Slam& slam, InputCheck& check, const SlamFlags& flags, SlamRun& run) {
+  const InterruptGuard guard;
+  ScanProgress progress;
+  while (!InterruptGuard::interrupted()) {
+    std::optional<LogEntry> entry = reader.next();
+    if (!entry) return;
+    const LaserMount mount{entry->T_base_laser, entry->flipped};
+    if (slam.records().empty()) run.mount = mount;
+    if (flags.range_max > 0.0 || flags.beam_step > 1) entry->scan = reduce_scan(entry->scan, flags.range_max, flags.beam_step);
+    const bool fresh = check.add(entry->scan, entry->laser, entry->odometry, flags.log + ":" + std::to_string(entry->line));
+    const double cpu = thread_cpu_seconds(), wall = wall_seconds();
+    float overlap = 0.0F;
+    if (fresh) {
+      const OdometryStep step = slam.add(entry->scan, mount, run.odometry_used ? entry->odometry : std::nullopt);
+      overlap = static_cast<float>(step.overlap);
+      run.tracked += step.tracked;
+      run.searched += step.searched;
+      run.new_segments += step.new_segment;
+      run.usable += entry->scan.hit_count() > 0;
+    } else {
+      slam.repeat(entry->scan, mount);
+      overlap = run.overlap.empty() ? 0.0F : run.overlap.back();
+    }
+    run.cpu_ms.push_back(static_cast<float>(1e3 * (thread_cpu_seconds() - cpu)));
+    run.wall_ms.push_back(static_cast<float>(1e3 * (wall_seconds() - wall)));
+    run.overlap.push_back(overlap);
+    progress.step(slam.records().size());
+  }
+  run.complete = false;
+}
+
+int run_slam(const SlamFlags& flags) {
+  const double cpu = process_cpu_seconds(), wall = wall_seconds();
+  const Config config = config_from(flags.common);
+  SlamRun run;
+  run.log = flags.log;
+  run.times = !flags.common.no_times;
+  LogOptions log_options;
+  log_options.topic = flags.topic;
+  const std::unique_ptr<LogReader> reader = open_log(flags.log, log_options);
+  run.format = reader->format();
+  if (flags.odometry == "none") {
+    run.odometry_assumed = "not used, as asked for";
+  } else {
+    const OdometrySource source = find_odometry_source(flags.log, log_options);
+    run.odometry_used = source.usable;
+    run.odometry_assumed = source.assumed;
+  }
+  make_folder(flags.out);
+  Slam slam(config.slam, flags.common.threads);
+  InputCheck check;
+  run.check = &check;
+  feed(*reader, slam, check, flags, run);
+  if (slam.records().empty()) {
+    report_damages(*reader, kDone);
+    std::fprintf(stderr, "phasescan: %s: not one scan; expected laser messages\n", flags.log.c_str());
+    return kAnswerIsNo;
+  }
+  slam.finish();
+  run.total_cpu_s = process_cpu_seconds() - cpu;
+  run.total_wall_s = wall_seconds() - wall;
+  for (const LogDamage& damage : reader->damages()) ++run.damages[damage.kind];
+  if (reader->damage_count() > reader->damages().size()) run.damages["further damage"] = reader->damage_count() - reader->damages().size();
+  write_slam_output(flags.out, slam, run);
+  for (const auto& [kind, oddity] : check.oddities()) {
+    warn(oddity.first + (oddity.count > 1 ? " (" + std::to_string(oddity.count) + " times: " + kind + ")" : ""));
+  }
+  const int code = report_damages(*reader, check.damaged() ? kDamagedInput : kDone);
+  if (slam.backend().keyframes().empty()) {
+    std::fprintf(stderr, "phasescan: %s: not one scan with enough returns to match\n", flags.log.c_str());
+    return kAnswerIsNo;
+  }
+  return code;
+}
+
+void add_slam_command(CLI::App& app, CommandBody& body) {
+  auto* command = app.add_subcommand("slam", "a trajectory and a map from a log");
+  auto flags = std::make_shared<SlamFlags>();
+  command->add_option("LOG", flags->log, "log of any readable format")->required();
+  command->add_option("--out", flags->out, "folder for trajectory, map, graph, report")->required()->type_name("DIR");
+  command->add_option("--odometry", flags->odometry, "auto: wheel odometry where the log has any; none: scans alone")
+      ->check(CLI::IsMember({"auto", "none"}))
+      ->capture_default_str();
+  command->add_option("--range-max", flags->range_max, "cut the scans down to this range [m]")->check(CLI::PositiveNumber)->type_name("M");
+  command->add_option("--beam-step", flags->beam_step, "keep every K-th beam")->check(CLI::Range(1, 10000))->type_name("K");
+  command->add_option("--topic", flags->topic, "ROS: only this scan topic");
+  add_config_flag(*command, flags->common);
+  add_threads_flag(*command, flags->common);
+  add_no_times_flag(*command, flags->common);
+  command->callback([flags, &body] { body = [flags] { return run_slam(*flags); }; });
+}
+
+const CommandRegistration kSlam{30, add_slam_command};
+
+}  // namespace
+}  // namespace phasescan::app

@@ -1,0 +1,142 @@
+#include "slam_output.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "phasescan/io/file.hpp"
+#include "phasescan/io/g2o.hpp"
+#include "phasescan/io/map_file.hpp"
+#include "phasescan/io/tum.hpp"
+#include "phasescan/map/trinary_map.hpp"
+#include "phasescan/report/slam_report.hpp"
+
+namespace phasescan::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double rounded(double value, double per_unit) { return std::round(value * per_unit) / per_unit; }
+
+double path_length(const std::vector<Pose2>& poses) {
+  // Steps below the noise of standing still are no way.
+  double length = 0.0;
+  Pose2 last = poses.empty() ? Pose2{} : poses.front();
+  for (const Pose2& p : poses) {
+    const double step = translation_distance(last, p);
+    if (step < 0.02) continue;
+    length += step;
+    last = p;
+  }
+  return length;
+}
+
+Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& trajectory, const TrinaryMap& map) {
+  const LoopCounts loops = slam.backend().loop_counts();
+  const auto& wheels = slam.odometry().wheels().counts();
+  Json warnings = Json::object();
+  for (const auto& [kind, count] : run.damages) warnings[kind] = count;
+  for (const auto& [kind, oddity] : run.check->oddities()) warnings[kind] = oddity.count;
+  const std::size_t untracked = run.usable - std::min(run.usable, run.tracked);
+  if (untracked > 0) warnings["scan not matched"] = untracked;
+  if (run.new_segments > 0) warnings["tracking begun anew"] = run.new_segments;
+  std::size_t occupied = 0, free = 0;
+  for (const CellState s : map.cells) occupied += s == CellState::kOccupied, free += s == CellState::kFree;
+  return {{"log", std::filesystem::path(run.log).filename().string()},
+          {"format", run.format},
+          {"complete", run.complete},
+          {"scans", slam.records().size()},
+          {"scans_usable", run.usable},
+          {"scans_tracked", run.tracked},
+          {"wide_searches", run.searched},
+          {"keyframes", slam.backend().keyframes().size()},
+          {"loops",
+           {{"compared", loops.compared}, {"found", loops.found}, {"accepted", loops.accepted}, {"rejected", loops.undone + loops.outvoted},
+            {"rejected_undone", loops.undone}, {"rejected_outvoted", loops.outvoted}}},
+          {"path_length_m", rounded(path_length(trajectory), 1e3)},
+          {"odometry", {{"used", run.odometry_used}, {"assumed", run.odometry_assumed}, {"steps", wheels.steps}, {"agreed", wheels.agreed},
+                        {"reversed", wheels.reversed}, {"slipped", wheels.slipped}, {"jumped", wheels.jumped}}},
+          {"laser", {{"x", run.mount.T_base_laser.x}, {"y", run.mount.T_base_laser.y}, {"theta", run.mount.T_base_laser.theta}, {"flipped", run.mount.flipped}}},
+          {"map", {{"width", map.width}, {"height", map.height}, {"resolution_m", map.resolution_m}, {"occupied_cells", occupied}, {"free_cells", free}}},
+          {"warnings", warnings}};
+}
+
+Json percentiles(std::vector<float> values) {
+  if (values.empty()) return Json::object();
+  double sum = 0.0;
+  for (const float v : values) sum += static_cast<double>(v);
+  const double mean = sum / static_cast<double>(values.size());
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double q) { return rounded(static_cast<double>(values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))]), 1e4); };
+  return {{"mean", rounded(mean, 1e4)}, {"p50", at(0.5)}, {"p95", at(0.95)}, {"p99", at(0.99)}, {"max", at(1.0)}};
+}
+
+Json timing_of(const SlamRun& run) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const double n = std::max<double>(1.0, static_cast<double>(run.cpu_ms.size()));
+  return {{"scans", run.cpu_ms.size()},
+          {"cpu_ms_per_scan", rounded(1e3 * run.total_cpu_s / n, 1e4)},
+          {"wall_ms_per_scan", rounded(1e3 * run.total_wall_s / n, 1e4)},
+          {"step_cpu_ms", percentiles(run.cpu_ms)},
+          {"step_wall_ms", percentiles(run.wall_ms)},
+          {"peak_memory_mib", rounded(static_cast<double>(usage.ru_maxrss) / 1024.0, 10.0)}};
+}
+
+std::vector<std::string> warning_lines(const Json& summary, const SlamRun& run) {
+  std::vector<std::string> lines;
+  for (const auto& [kind, count] : summary["warnings"].items()) {
+    const auto oddity = run.check->oddities().find(kind);
+    std::string line = fmt::format("{}: {}", kind, count.get<std::size_t>());
+    if (oddity != run.check->oddities().end()) line += ", first at " + oddity->second.first;
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+}  // namespace
+
+void write_slam_output(const std::string& folder, const Slam& slam, const SlamRun& run) {
+  make_folder(folder);
+  const std::string base = folder + "/";
+  const std::vector<Pose2> trajectory = slam.trajectory();
+  std::vector<StampedPose> stamped;
+  stamped.reserve(trajectory.size());
+  for (std::size_t i = 0; i < trajectory.size(); ++i) stamped.push_back({slam.records()[i].stamp, trajectory[i]});
+  write_file(base + "trajectory.tum", format_tum(stamped));
+  stamped = {};
+  write_file(base + "graph.g2o", format_g2o(slam.backend().graph()));
+  const TrinaryMap map = make_trinary(slam.render_map());
+  write_file(base + "map.pgm", format_pgm(map));
+  write_file(base + "map.yaml", format_map_yaml(map, "map.pgm"));
+  write_file(base + "map.png", format_png(map));
+  const Json summary = summary_of(slam, run, trajectory, map);
+  write_file(base + "summary.json", summary.dump(2) + "\n");
+
+  SlamReport report;
+  report.log_name = summary["log"];
+  report.map = &map;
+  report.trajectory = trajectory;
+  const std::vector<Pose2> odometry = slam.odometry_trajectory();
+  report.odometry = odometry;
+  report.graph = &slam.backend().graph();
+  for (const PoseEdge& e : report.graph->edges()) {
+    if (e.robust && !e.enabled) report.undone.emplace_back(e.from, e.to);
+  }
+  report.overlap = run.overlap;
+  if (run.times) report.cpu_ms = run.cpu_ms;
+  for (const char* key : {"format", "scans", "scans_tracked", "keyframes", "path_length_m"}) {
+    report.facts.emplace_back(key, summary[key].is_string() ? summary[key].get<std::string>() : summary[key].dump());
+  }
+  for (const char* key : {"found", "accepted", "rejected"}) report.facts.emplace_back(std::string("loops ") + key, summary["loops"][key].dump());
+  report.facts.emplace_back("odometry", run.odometry_assumed);
+  report.warnings = warning_lines(summary, run);
+  write_file(base + "report.html", format_slam_report(report));
+  if (run.times) write_file(base + "timing.json", timing_of(run).dump(2) + "\n");
+}
+
+}  // namespace phasescan::app

@@ -1,0 +1,67 @@
+/// Pose graph on SE(2): nodes are poses, edges are measured relative poses with their information.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "phasescan/core/pose2.hpp"
+
+namespace phasescan {
+
+/// What is known between two nodes. The error is e = (T_from_to^-1 * (X_from^-1 * X_to)) as (x, y, theta), as in g2o's EDGE_SE2;
+/// `information` is the inverse covariance of e.
+struct PoseEdge {
+  int from = 0;
+  int to = 0;
+  Pose2 T_from_to;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
+  bool robust = false;  ///< may be wrong: large errors lose their weight (Cauchy kernel)
+  bool enabled = true;  ///< disabled edges stay in the list and do not count
+};
+
+struct GraphOptions {
+  int max_iterations = 20;
+  double kernel_width = 2.0;  ///< of the robust kernel, in standard deviations
+  double relative_tolerance = 1e-6;  ///< stop when the cost falls by less
+};
+
+struct GraphSummary {
+  bool converged = false;
+  int iterations = 0;
+  double initial_cost = 0.0;
+  double final_cost = 0.0;
+};
+
+/// The graph. Node 0 is fixed; every further node should be tied to earlier ones by an enabled edge.
+class PoseGraph {
+ public:
+  int add_node(const Pose2& pose);
+  /// @throws std::invalid_argument for a node that does not exist, a self edge, or an information matrix that is not finite
+  ///         or not positive definite.
+  int add_edge(const PoseEdge& edge);
+  void set_enabled(int edge, bool enabled) { edges_[static_cast<std::size_t>(edge)].enabled = enabled; }
+  void set_pose(int node, const Pose2& pose) { poses_[static_cast<std::size_t>(node)] = pose; }
+  void keep_edges(const std::vector<char>& keep);
+
+  const std::vector<Pose2>& poses() const { return poses_; }
+  const std::vector<PoseEdge>& edges() const { return edges_; }
+
+  /// Error of an edge at the present poses, and its square weighted by the information (no kernel).
+  Pose2 edge_error(int edge) const;
+  double edge_chi2(int edge) const;
+
+  /// Moves all nodes but the first to the least weighted squares [Grisetti10]. Deterministic: one thread, a fixed order.
+  /// @cost sparse Cholesky per iteration: about 3 us a node for graphs of this kind
+  GraphSummary optimize(const GraphOptions& options = {});
+
+  /// Marginal covariance of a node's (x, y, theta) relative to node 0, at the present poses; empty if it is not determined.
+  std::optional<Eigen::Matrix3d> covariance(int node) const;
+
+ private:
+  std::vector<Pose2> poses_;
+  std::vector<PoseEdge> edges_;
+};
+
+}  // namespace phasescan

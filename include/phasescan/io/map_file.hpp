@@ -1,0 +1,25 @@
+/// Maps as files: map_server's pgm + yaml, and PNG to look at.
+#pragma once
+
+#include <string>
+
+#include "phasescan/map/trinary_map.hpp"
+
+namespace phasescan {
+
+/// P5 image, row 0 on top: 254 free, 0 occupied, 205 unknown.
+std::string format_pgm(const TrinaryMap& map);
+/// The yaml beside it: image, resolution, origin, negate 0, occupied_thresh 0.65, free_thresh 0.196, mode trinary.
+std::string format_map_yaml(const TrinaryMap& map, const std::string& image_name);
+/// The same picture as an 8-bit grey PNG.
+std::string format_png(const TrinaryMap& map);
+
+/// Reads a yaml of map_server and its image (pgm, P5 or P2, or grey PNG), trinary mode.
+///
+/// p = (255 - g) / 255, or g / 255 with negate; occupied from occupied_thresh on, free up to free_thresh, unknown between.
+/// An unknown pixel of 205 has p = 0.196078: with a free_thresh of 0.25 it reads as free. That is what the yaml asks for,
+/// and what is returned; `unknown_reads_as_free` says so.
+/// @throws InputError (missing keys, an image that is none, nonsense values), SystemError
+TrinaryMap read_map(const std::string& yaml_path, bool* unknown_reads_as_free = nullptr);
+
+}  // namespace phasescan

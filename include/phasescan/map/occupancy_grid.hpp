@@ -1,0 +1,85 @@
+/// Occupancy from rays: log-odds per cell, tiles that come into being where rays go.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "phasescan/core/options.hpp"
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/scan/scan.hpp"
+
+namespace phasescan {
+
+/// How rays change cells. Log-odds are kept in steps of 1/20 (8 bits a cell).
+struct OccupancyOptions {
+  double resolution_m = 0.05;
+  double max_ray_m = 30.0;      ///< free space farther along a ray is not marked; hits beyond are left out
+  double hit_log_odds = 0.9;
+  double miss_log_odds = -0.4;
+  double missing_log_odds = -0.1;  ///< of a beam that came back from nowhere, short of what its neighbours saw
+  double clamp_log_odds = 5.0;     ///< so that a cell can change its mind
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("resolution_m", self.resolution_m, OptionInfo{"m", "size of a map cell", 0.005, 1});
+    v("max_ray_m", self.max_ray_m, OptionInfo{"m", "rays are drawn no farther", 0.5, 200});
+    v("hit_log_odds", self.hit_log_odds, OptionInfo{"", "what a hit adds to its cell", 0.05, 5});
+    v("miss_log_odds", self.miss_log_odds, OptionInfo{"", "what a ray adds to the cells it crosses", -5, -0.05});
+    v("missing_log_odds", self.missing_log_odds, OptionInfo{"", "what a beam without a return adds, short of its neighbours' hits", -5, 0});
+    v("clamp_log_odds", self.clamp_log_odds, OptionInfo{"", "no cell is surer than this", 0.5, 6});
+  }
+};
+
+/// Cells in an unbounded plane. Cell (i, k) covers [i, i+1) x [k, k+1) times the resolution; its value is a log-odds.
+class OccupancyGrid {
+ public:
+  static constexpr int kTileCells = 64;
+
+  /// @throws std::invalid_argument for a resolution that is not above 0.
+  explicit OccupancyGrid(const OccupancyOptions& options = {});
+
+  /// Marks the rays of a scan: free from the laser to each hit, the hit's cell occupied once per scan.
+  ///
+  /// A missing beam says little: glass and black surfaces return nothing either. It marks weakly, and only as far as 80 % of
+  /// the shorter of its two neighbouring hits (at most 5 beams away).
+  /// @param T_map_laser  pose of the laser at the first beam; with `flipped` its y axis points to its right
+  /// @param twist        motion of the (upright) laser during the turn, for scans with a time_increment
+  void add_scan(const Scan& scan, const Pose2& T_map_laser, bool flipped = false, const Twist2& twist = {});
+
+  /// Log-odds of a cell; 0 where nothing is known.
+  double log_odds(int i, int k) const;
+  bool known(int i, int k) const { return cell(i, k) != kUnknown; }
+  int cell_of(double metres) const;
+  double resolution() const { return options_.resolution_m; }
+
+  struct Bounds {
+    int min_i = 0, min_k = 0, max_i = -1, max_k = -1;  ///< inclusive; empty if max < min
+  };
+  /// The smallest rectangle that holds every known cell.
+  Bounds bounds() const;
+
+  /// Distance from a point along a direction to the first cell whose log-odds reach `occupied`, or nothing within `max_range`.
+  std::optional<double> raycast(const Eigen::Vector2d& from, double direction, double max_range, double occupied = 0.6) const;
+
+  void clear() { tiles_.clear(); }
+
+ private:
+  static constexpr std::int8_t kUnknown = -128;
+  using Tile = std::array<std::int8_t, kTileCells * kTileCells>;
+  std::int8_t cell(int i, int k) const;
+  void change(int i, int k, int steps);
+  Tile& tile(int ti, int tk);
+
+  OccupancyOptions options_;
+  int hit_ = 0, miss_ = 0, missing_ = 0, clamp_ = 0;
+  std::map<std::pair<int, int>, std::unique_ptr<Tile>> tiles_;
+  // The tile touched last: rays stay in one for a while.
+  std::pair<int, int> last_{0, 0};
+  Tile* last_tile_ = nullptr;
+};
+
+}  // namespace phasescan

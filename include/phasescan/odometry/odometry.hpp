@@ -1,0 +1,87 @@
+/// Laser odometry: every scan is matched against a local map of the last keyframes.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <optional>
+
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/core/time.hpp"
+#include "phasescan/odometry/local_map.hpp"
+#include "phasescan/odometry/map_points.hpp"
+#include "phasescan/odometry/options.hpp"
+#include "phasescan/odometry/registration.hpp"
+#include "phasescan/odometry/scan_clock.hpp"
+#include "phasescan/odometry/wheel_witness.hpp"
+#include "phasescan/scan/scan.hpp"
+#include "phasescan/scan/surface.hpp"
+
+namespace phasescan {
+
+/// What one scan brought. Poses of the base; "mid" is the middle of the scan's turn, "stamp" its first beam.
+struct OdometryStep {
+  Pose2 T_odom_mid;    ///< what was matched
+  Pose2 T_odom_stamp;  ///< the same at the scan's stamp
+  Twist2 twist;        ///< of the base [m/s, rad/s], 0 where time is unknown
+  bool tracked = false;      ///< false: no match was found, the pose is a prediction
+  bool is_keyframe = false;
+  bool searched = false;     ///< the wide search was needed
+  bool new_segment = false;  ///< the local map was begun anew: nothing ties this pose to those before but a prediction
+  double overlap = 0.0;      ///< share of hits on the local map's surfaces
+  double residual_m = 0.0;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of the pose relative to the last keyframe, frame of the base
+  WheelVerdict wheels = WheelVerdict::kNone;
+};
+
+/// Tracks a robot through its scans. Deterministic; bounded work and memory per scan.
+class Odometry {
+ public:
+  /// @throws std::invalid_argument naming the option out of bounds.
+  explicit Odometry(const OdometryOptions& options = {});
+
+  /// The next scan, of any laser of the robot. @param wheel  T_odom_base of the wheels at the scan's stamp
+  OdometryStep add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& wheel);
+
+  /// The last scan's surface in the frame of the base at mid-scan; shared, so that keyframes cost no copy.
+  std::shared_ptr<const MapPoints> last_points() const { return points_; }
+  const WheelWitness& wheels() const { return wheels_; }
+  const ScanClock& clock() const { return clock_; }
+
+ private:
+  struct WindowFrame {
+    std::shared_ptr<const MapPoints> points;
+    Pose2 T_odom_base;
+  };
+  void extract(const Scan& scan, const LaserMount& mount, const Twist2& twist, double duration_s);
+  Pose2 predict(const std::optional<Pose2>& wheel_step, double periods, double* score) const;
+  PosePrior make_prior(const Pose2& start, double periods) const;
+  Pose2 hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const;
+  Eigen::Matrix3d grow_information(const Eigen::Matrix3d& matched, const Eigen::Matrix3d& known, const Pose2& moved);
+  Registration match(const Pose2& guess, const PosePrior& prior, OdometryStep& step);
+  void insert_keyframe(OdometryStep& step);
+  void rebuild_map();
+  void hold_still(OdometryStep& step);
+
+  OdometryOptions options_;
+  WheelWitness wheels_;
+  ScanClock clock_;
+  SurfaceWorkspace surface_work_;
+  SurfacePoints surface_;
+  std::shared_ptr<MapPoints> points_;
+  LocalMap map_;
+  std::deque<WindowFrame> window_;
+  bool started_ = false;
+  Pose2 T_odom_mid_;          // of the last scan
+  Pose2 step_;                // motion per period, base frame, as last found
+  Eigen::Matrix3d step_covariance_ = Eigen::Vector3d(0.0025, 0.0025, 0.01).asDiagonal();
+  Eigen::Matrix3d since_keyframe_ = Eigen::Matrix3d::Zero();  // covariance of the pose relative to the last keyframe
+  Twist2 twist_;
+  double usual_score_ = 0.5;  // slow mean of the prediction's score
+  int untracked_ = 0;
+  Pose2 still_sum_;           // standstill: sum of poses relative to the first
+  Pose2 still_first_;
+  int still_count_ = 0;
+};
+
+}  // namespace phasescan

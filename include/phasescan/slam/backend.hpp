@@ -1,0 +1,71 @@
+/// What works behind the tracker: loops, pose graph, and the poses of the keyframes on the map.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/graph/pose_graph.hpp"
+#include "phasescan/odometry/local_map.hpp"
+#include "phasescan/slam/keyframe.hpp"
+#include "phasescan/slam/loop.hpp"
+#include "phasescan/slam/options.hpp"
+
+namespace phasescan {
+
+/// How many loops there were.
+struct LoopCounts {
+  std::size_t compared = 0;   ///< pairs of visits that were matched
+  std::size_t found = 0;      ///< matches good enough to be a loop
+  std::size_t accepted = 0;   ///< in the graph at the end
+  std::size_t undone = 0;     ///< once accepted, taken out again because the graph contradicts them
+  std::size_t outvoted = 0;   ///< never found company
+};
+
+/// Owns keyframes, loops and the graph. Only its own thread touches it between `add_batch` calls; its state depends on the
+/// batches alone, never on when they are worked on.
+class Backend {
+ public:
+  explicit Backend(const SlamOptions& options);
+
+  /// Takes the next keyframes in, looks for loops of each, and moves the graph where that is due.
+  void add_batch(std::vector<Keyframe> batch);
+  /// The last words: a full optimisation, every keyframe compared with all its neighbours once more.
+  void finish();
+
+  const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  const std::vector<Pose2>& poses() const { return graph_.poses(); }
+  const PoseGraph& graph() const { return graph_; }
+  LoopCounts loop_counts() const;
+
+  /// Builds the map of the surroundings of a pose from up to `max_keyframes` keyframes that look at the same place.
+  void build_surroundings(int node, std::size_t max_keyframes, LocalMap& map) const;
+
+ private:
+  void add_keyframe(Keyframe keyframe);
+  void find_loops(int node);
+  std::optional<Loop> compare(int from, int to, double uncertainty_m);
+  std::vector<int> nearby_visits(int node, int max_other_end) const;
+  void add_loop_edge(const Loop& loop);
+  void optimize(int max_iterations);
+  void undo_contradicted();
+  void rematch_all();
+  const LocalMap& visit_map(int anchor);
+
+  SlamOptions options_;
+  PoseGraph graph_;
+  std::vector<Keyframe> keyframes_;
+  LoopJudge judge_;
+  LoopCounts counts_;
+  std::vector<std::pair<int, std::unique_ptr<LocalMap>>> map_cache_;
+  std::size_t next_cached_ = 0;
+  int nodes_at_optimize_ = 0;
+  std::size_t new_edges_ = 0;
+  bool large_correction_ = false;
+  double since_loop_m_ = 0.0;  // way since the last loop that was believed
+};
+
+}  // namespace phasescan

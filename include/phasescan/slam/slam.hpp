@@ -1,0 +1,75 @@
+/// SLAM: scans in, a trajectory and a map out.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/core/time.hpp"
+#include "phasescan/map/occupancy_grid.hpp"
+#include "phasescan/odometry/odometry.hpp"
+#include "phasescan/slam/backend.hpp"
+#include "phasescan/slam/options.hpp"
+#include "phasescan/slam/scan_store.hpp"
+
+namespace phasescan {
+
+/// What is kept of every scan: where it stands relative to a keyframe. Small, since there may be many.
+struct ScanRecord {
+  Stamp stamp = 0;
+  std::int32_t keyframe = -1;        ///< -1: before the first keyframe
+  float x = 0, y = 0, theta = 0;     ///< T_keyframe_stamp: the base at the scan's first beam
+};
+
+/// Tracks, finds loops and keeps the map's poses straight. The tracker never waits for the map but at fixed scan counts, so
+/// that the same scans give the same answer with any number of threads.
+class Slam {
+ public:
+  /// @param threads  1: loops and graph are worked on between scans; more: beside the tracker
+  /// @throws std::invalid_argument naming the option out of bounds.
+  explicit Slam(const SlamOptions& options = {}, int threads = 1);
+  ~Slam();
+
+  /// The next laser message. @param odometry  T_odom_base of the wheels at the scan's stamp
+  OdometryStep add(const Scan& scan, const LaserMount& mount = {}, const std::optional<Pose2>& odometry = std::nullopt);
+
+  /// A message that repeats the one before: it gets that one's pose and counts for nothing else.
+  void repeat(const Scan& scan, const LaserMount& mount = {});
+
+  /// Ends the run: last loops, the full graph, and every scan matched once more against the finished map.
+  void finish();
+
+  /// One pose of the base per scan that was added, in that order. Before finish() as far as is known.
+  std::vector<Pose2> trajectory() const;
+  /// The map that the keyframes' scans draw from their poses as they stand.
+  OccupancyGrid render_map() const;
+  /// The trajectory as laser odometry alone saw it.
+  std::vector<Pose2> odometry_trajectory() const;
+  const std::vector<ScanRecord>& records() const { return records_; }
+  const Backend& backend() const { return *backend_; }
+  const Odometry& odometry() const { return odometry_; }
+  /// Scans kept: all, or those of the keyframes in bounded-memory mode.
+  const ScanStore& scans() const { return store_; }
+
+ private:
+  struct Worker;
+  void hand_over();
+  std::vector<Pose2> anchored(const std::vector<Pose2>& keyframe_poses) const;
+
+  SlamOptions options_;
+  int threads_;
+  Odometry odometry_;
+  std::unique_ptr<Backend> backend_;
+  std::unique_ptr<Worker> worker_;
+  ScanStore store_;
+  std::vector<ScanRecord> records_;
+  std::vector<Pose2> polished_;   // T_map_base at the stamp, when polish has run
+  std::vector<Keyframe> batch_;
+  Pose2 T_odom_keyframe_;
+  std::int32_t keyframes_ = 0;
+};
+
+}  // namespace phasescan

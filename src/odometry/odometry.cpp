@@ -1,0 +1,262 @@
+#include "phasescan/odometry/odometry.hpp"
+
+#include "phasescan/odometry/information.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace phasescan {
+namespace {
+
+constexpr std::size_t kProbePoints = 64;      // points of the quick look that chooses among predictions
+constexpr double kStillM = 0.006, kStillRad = 0.003;
+constexpr double kMinUsualShare = 0.75;       // a prediction that explains less than this of what is usual is widened
+constexpr std::size_t kMinPoints = 12;
+constexpr double kLeastTrust = 0.6;            // wheels that agreed less often lately are not heard
+constexpr double kContradiction = 11.3;       // squared Mahalanobis distance (99 %) beyond which a step of the wheels is outvoted
+constexpr double kChangeM = 0.025, kChangeRad = 0.06;  // how much the motion per scan changes from one to the next
+const Eigen::Vector3d kUnknownStep(0.05 * 0.05, 0.05 * 0.05, 0.1 * 0.1);
+
+Pose2 scaled(const Pose2& step, double factor) {
+  const Twist2 t = log_pose(step);
+  return exp_twist({t.vx * factor, t.vy * factor, t.omega * factor});
+}
+
+}  // namespace
+
+Odometry::Odometry(const OdometryOptions& options) : options_(options) { validate_options("odometry", options_); }
+
+void Odometry::extract(const Scan& scan, const LaserMount& mount, const Twist2& twist, double duration_s) {
+  const Twist2 used = options_.deskew && duration_s > 0.0 ? twist : Twist2{};
+  find_surface(scan, mount.laser_twist(used), surface_work_, surface_);
+  // The points are expressed at the stamp; the middle of the turn is where the twist's error matters least.
+  const double to_mid_s = scan.time_increment < 0.0 ? -0.5 * duration_s : 0.5 * duration_s;
+  LaserMount at_mid = mount;
+  at_mid.T_base_laser = exp_twist(used, to_mid_s).inverse() * mount.T_base_laser;
+  points_ = std::make_shared<MapPoints>();
+  to_map_points(surface_, at_mid, options_.map_range_m, *points_);
+}
+
+Pose2 Odometry::predict(const std::optional<Pose2>& wheel_step, double periods, double* best_score) const {
+  std::vector<Pose2> steps = {scaled(step_, periods), Pose2{}};
+  if (wheel_step) {
+    steps.push_back(*wheel_step);
+    steps.push_back({-wheel_step->x, -wheel_step->y, wheel_step->theta});
+  }
+  const std::size_t stride = std::max<std::size_t>(1, points_->size() / kProbePoints);
+  const Pose2 T_map_last = map_.T_world_map().inverse() * T_odom_mid_;
+  Pose2 best = steps[0];
+  *best_score = -1.0;
+  const auto consider = [&](const Pose2& candidate, double handicap) {
+    const double score = pose_score(map_, *points_, T_map_last * candidate, stride) - handicap;
+    if (score > *best_score) *best_score = score, best = candidate;
+  };
+  for (std::size_t i = 0; i < steps.size(); ++i) consider(steps[i], i == 0 || i == 2 ? 0.0 : 0.02);
+  if (*best_score < kMinUsualShare * usual_score_) {
+    // None explains the scan as scans usually are: perhaps a turn began.
+    const Pose2 centre = best;
+    for (int k = 1; k <= 8; ++k) {
+      for (const double side : {-1.0, 1.0}) {
+        const double turn = side * k * 0.06;
+        consider({centre.x, centre.y, wrap_angle(centre.theta + turn)}, 0.02);
+      }
+    }
+  }
+  return best;
+}
+
+PosePrior Odometry::make_prior(const Pose2& start, double periods) const {
+  // Robots keep on doing what they did.
+  Pose2 mean = scaled(step_, periods);
+  mean.theta = start.theta;
+  Eigen::Matrix3d covariance = step_covariance_;
+  covariance.diagonal() += Eigen::Vector3d(kChangeM * kChangeM, kChangeM * kChangeM, kChangeRad * kChangeRad);
+  covariance *= periods * periods;
+  PosePrior prior;
+  prior.T_map_base = map_.T_world_map().inverse() * T_odom_mid_ * mean;
+  // The points of a scan are not independent of each other: the prior is weighed against a share of what they claim.
+  prior.information = rotate_information(covariance.inverse() / kMatchTrust, prior.T_map_base.theta);
+  return prior;
+}
+
+Pose2 Odometry::hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const {
+  if (wheels_.trust_distance() < kLeastTrust || wheels_.trust_turn() < kLeastTrust) return moved;
+  const double sigma_m = (0.01 + 0.06 * std::hypot(wheel_step.x, wheel_step.y)) / wheels_.trust_distance();
+  const double sigma_rad = (0.01 + 0.08 * std::abs(wheel_step.theta)) / wheels_.trust_turn();
+  const Eigen::Vector3d variance(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
+  // In the frame of the new base, as `known` is.
+  const Pose2 off = moved.inverse() * wheel_step;
+  const Eigen::Vector3d d(off.x, off.y, off.theta);
+  const Eigen::Matrix3d spread = known.inverse() + Eigen::Matrix3d(variance.asDiagonal());
+  if (d.dot(spread.inverse() * d) > kContradiction) return moved;
+  const Eigen::Matrix3d wheels = variance.cwiseInverse().asDiagonal();
+  const Eigen::Matrix3d sum = known + wheels;
+  const Eigen::Vector3d shift = sum.inverse() * (wheels * d);
+  known = sum;
+  return moved * Pose2{shift.x(), shift.y(), shift.z()};
+}
+
+Eigen::Matrix3d Odometry::grow_information(const Eigen::Matrix3d& matched, const Eigen::Matrix3d& known, const Pose2& moved) {
+  // Where the match sees, it sees relative to the map; where it does not, every step adds its own doubt.
+  const Eigen::Matrix3d only_step = known - matched;
+  Eigen::Matrix3d doubt = rotate_information(since_keyframe_, -moved.theta);
+  doubt += (only_step + Eigen::Matrix3d(Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal())).inverse();
+  since_keyframe_ = (matched + doubt.inverse()).inverse();
+  since_keyframe_ = 0.5 * (since_keyframe_ + since_keyframe_.transpose().eval());
+  return since_keyframe_.inverse();
+}
+
+Registration Odometry::match(const Pose2& guess, const PosePrior& prior, OdometryStep& step) {
+  Registration found = register_points(map_, *points_, guess, {}, prior);
+  if (found.overlap >= options_.min_overlap) return found;
+  step.searched = true;
+  LatticeSearch lattice;
+  const Pose2 wide = search_lattice(map_, *points_, guess, lattice);
+  const Registration again = register_points(map_, *points_, wide);
+  return again.overlap > std::max(found.overlap + 0.1, options_.min_overlap) ? again : found;
+}
+
+OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& wheel) {
+  OdometryStep step;
+  const ScanTiming timing = clock_.add(scan);
+  std::optional<Pose2> wheel_step = options_.use_wheels ? wheels_.step(wheel) : std::nullopt;
+  const double seconds = timing.period_s > 0.0 ? timing.period_s * timing.periods : 0.0;
+  Twist2 twist = twist_;
+  if (wheel_step && wheels_.trust_turn() > 0.6 && seconds > 0.0) twist.omega = wheel_step->theta / seconds;
+  extract(scan, mount, twist, timing.duration_s);
+
+  if (!started_) {
+    started_ = true;
+    if (points_->with_normal >= kMinPoints) {
+      step.tracked = true;
+      step.overlap = 1.0;
+      insert_keyframe(step);
+    } else {
+      started_ = false;
+    }
+    return step;
+  }
+
+  double score = 0.0;
+  if (timing.gap) {
+    step_ = Pose2{};
+    step_covariance_ = 100.0 * kUnknownStep.asDiagonal();
+  }
+  const Pose2 predicted = predict(wheel_step, timing.periods, &score);
+  const PosePrior prior = make_prior(predicted, timing.periods);
+  const Pose2 T_map_odom = map_.T_world_map().inverse();
+  Registration found;
+  found.T_map_base = T_map_odom * T_odom_mid_ * predicted;
+  if (points_->with_normal >= kMinPoints) {
+    found = match(found.T_map_base, prior, step);
+    if (options_.deskew && timing.duration_s > 0.0 && seconds > 0.0) {
+      // The motion found says how the scan was bent: once more, unbent.
+      const Twist2 better = log_pose((T_map_odom * T_odom_mid_).inverse() * found.T_map_base);
+      const Twist2 now{better.vx / seconds, better.vy / seconds, better.omega / seconds};
+      const double change = std::hypot(now.vx - twist.vx, now.vy - twist.vy) + 2.0 * std::abs(now.omega - twist.omega);
+      if (change * timing.duration_s > 0.01) {
+        extract(scan, mount, now, timing.duration_s);
+        RegistrationOptions again;
+        again.gate_start_m = 0.15;
+        found = register_points(map_, *points_, found.T_map_base, again, prior);
+      }
+    }
+  }
+  step.overlap = found.overlap;
+  step.residual_m = found.residual_m;
+  step.tracked = found.overlap >= options_.min_overlap;
+  Pose2 moved = predicted;
+  if (step.tracked) {
+    moved = (T_map_odom * T_odom_mid_).inverse() * found.T_map_base;
+    Eigen::Matrix3d known = believed_information(rotate_information(found.information, -found.T_map_base.theta)) + kMatchTrust * rotate_information(prior.information, -found.T_map_base.theta);
+    if (wheel_step) {
+      step.wheels = wheels_.judge(*wheel_step, moved);
+      moved = hear_wheels(moved, *wheel_step, known);
+    }
+    step_covariance_ = known.inverse() / (timing.periods * timing.periods);
+    step.information = grow_information(believed_information(rotate_information(found.information, -found.T_map_base.theta)), known, moved);
+    untracked_ = 0;
+    usual_score_ = 0.95 * usual_score_ + 0.05 * std::max(score, 0.0);
+    step_ = scaled(moved, 1.0 / timing.periods);
+  } else {
+    ++untracked_;
+    if (wheel_step && wheels_.trust_distance() > 0.6) moved = *wheel_step;
+    step_ = scaled(step_, 0.5);
+    step_covariance_ = kUnknownStep.asDiagonal();
+    since_keyframe_ += kUnknownStep.asDiagonal();
+    step.information = since_keyframe_.inverse();
+  }
+  const Pose2 T_odom_before = T_odom_mid_;
+  T_odom_mid_ = T_odom_mid_ * moved;
+  if (seconds > 0.0) {
+    const Twist2 t = log_pose(moved);
+    twist_ = {t.vx / seconds, t.vy / seconds, t.omega / seconds};
+  }
+  step.T_odom_mid = T_odom_mid_;
+  hold_still(step);
+  T_odom_mid_ = step.T_odom_mid;
+  step.twist = twist_;
+  // The stamp lies half a turn before the middle: between the last middle and this one where turns follow each other closely.
+  if (timing.duration_s > 0.0 && seconds > 0.0) {
+    const double back = std::clamp(0.5 * timing.duration_s / seconds, 0.0, 1.0);
+    step.T_odom_stamp = T_odom_before * scaled(T_odom_before.inverse() * T_odom_mid_, 1.0 - back);
+  } else {
+    step.T_odom_stamp = T_odom_mid_;
+  }
+
+  const bool enough = points_->with_normal >= kMinPoints;
+  if (!step.tracked && enough && untracked_ >= options_.lost_after_scans) {
+    step.new_segment = true;
+    window_.clear();
+    insert_keyframe(step);
+    untracked_ = 0;
+  } else if (step.tracked && enough) {
+    const Pose2 since = window_.back().T_odom_base.inverse() * T_odom_mid_;
+    const double share = std::hypot(since.x, since.y) / options_.keyframe_distance_m +
+                         std::abs(since.theta) / deg_to_rad(options_.keyframe_angle_deg);
+    if (share > 1.0 || (step.overlap < 0.6 && share > 0.3)) insert_keyframe(step);
+  }
+  return step;
+}
+
+void Odometry::hold_still(OdometryStep& step) {
+  if (!options_.standstill_lock || !step.tracked) {
+    still_count_ = 0;
+    return;
+  }
+  if (still_count_ > 0) {
+    const Pose2 off = still_first_.inverse() * step.T_odom_mid;
+    if (std::hypot(off.x, off.y) < kStillM && std::abs(off.theta) < kStillRad) {
+      // At rest the mean of all answers is better than the last one, and it does not wander.
+      ++still_count_;
+      still_sum_.x += off.x;
+      still_sum_.y += off.y;
+      still_sum_.theta += off.theta;
+      const double n = still_count_;
+      step.T_odom_mid = still_first_ * Pose2{still_sum_.x / n, still_sum_.y / n, still_sum_.theta / n};
+      return;
+    }
+  }
+  still_first_ = step.T_odom_mid;
+  still_sum_ = {};
+  still_count_ = 1;
+}
+
+void Odometry::insert_keyframe(OdometryStep& step) {
+  step.is_keyframe = true;
+  since_keyframe_.setZero();
+  window_.push_back({points_, T_odom_mid_});
+  while (window_.size() > static_cast<std::size_t>(options_.window_keyframes)) window_.pop_front();
+  rebuild_map();
+}
+
+void Odometry::rebuild_map() {
+  map_.reset(T_odom_mid_, options_.map_range_m + 5.0, options_.cell_m);
+  for (const WindowFrame& frame : window_) map_.add(*frame.points, frame.T_odom_base);
+  map_.finish();
+}
+
+}  // namespace phasescan

@@ -1,0 +1,164 @@
+#include "phasescan/odometry/registration.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace phasescan {
+namespace {
+
+// One pass over the points at a pose: normal equations with a Geman-McClure kernel as wide as the gate asks.
+struct Pass {
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  int partners = 0;
+  double squares = 0.0;
+};
+
+Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, double gate_m, double min_cosine) {
+  const auto c = static_cast<float>(std::cos(T.theta)), s = static_cast<float>(std::sin(T.theta));
+  const auto tx = static_cast<float>(T.x), ty = static_cast<float>(T.y), gate = static_cast<float>(gate_m);
+  const auto cosine = static_cast<float>(min_cosine);
+  const float widen = 0.04F * gate * gate;
+  float h[6] = {}, g[3] = {}, squares = 0.0F;
+  Pass pass;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const float rx = c * points.x[i] - s * points.y[i], ry = s * points.x[i] + c * points.y[i];
+    const float nx = c * points.nx[i] - s * points.ny[i], ny = s * points.nx[i] + c * points.ny[i];
+    if (points.lone(i)) {
+      const Surfel* lone = map.find_lone(rx + tx, ry + ty);
+      if (!lone) continue;
+      const float ex = rx + tx - lone->x, ey = ry + ty - lone->y, d2 = ex * ex + ey * ey;
+      if (d2 > gate * gate) continue;
+      const float variance = points.variance[i] + lone->variance + widen;
+      const float kernel = 1.0F / (1.0F + d2 / (6.0F * variance));
+      const float w = kernel * kernel / variance;
+      h[0] += w;
+      h[2] -= w * ry;
+      h[3] += w;
+      h[4] += w * rx;
+      h[5] += w * (rx * rx + ry * ry);
+      g[0] += w * ex;
+      g[1] += w * ey;
+      g[2] += w * (rx * ey - ry * ex);
+      continue;
+    }
+    const Surfel* surfel = map.find(rx + tx, ry + ty, nx, ny, cosine);
+    if (!surfel) continue;
+    const float dx = rx + tx - surfel->x, dy = ry + ty - surfel->y;
+    const float e = dx * surfel->nx + dy * surfel->ny;
+    const float along = dy * surfel->nx - dx * surfel->ny;
+    if (std::fabs(e) > gate || std::fabs(along) > gate + 0.1F) continue;
+    const float variance = points.variance[i] + surfel->variance + widen;
+    const float kernel = 1.0F / (1.0F + e * e / (6.0F * variance));
+    const float w = kernel * kernel / variance;
+    const float jt = rx * surfel->ny - ry * surfel->nx;
+    h[0] += w * surfel->nx * surfel->nx;
+    h[1] += w * surfel->nx * surfel->ny;
+    h[2] += w * surfel->nx * jt;
+    h[3] += w * surfel->ny * surfel->ny;
+    h[4] += w * surfel->ny * jt;
+    h[5] += w * jt * jt;
+    g[0] += w * surfel->nx * e;
+    g[1] += w * surfel->ny * e;
+    g[2] += w * jt * e;
+    squares += e * e;
+    ++pass.partners;
+  }
+  const Eigen::Matrix3f H = (Eigen::Matrix3f() << h[0], h[1], h[2], h[1], h[3], h[4], h[2], h[4], h[5]).finished();
+  pass.H = H.cast<double>();
+  pass.g = Eigen::Vector3f(g[0], g[1], g[2]).cast<double>();
+  pass.squares = static_cast<double>(squares);
+  return pass;
+}
+
+}  // namespace
+
+Registration register_points(const LocalMap& map, const MapPoints& points, const Pose2& guess, const RegistrationOptions& options,
+                             const std::optional<PosePrior>& prior) {
+  Registration result;
+  result.T_map_base = guess;
+  if (map.empty() || points.with_normal == 0) return result;
+  double gate = options.gate_start_m;
+  Pass pass;
+  for (result.iterations = 1; result.iterations <= options.max_iterations; ++result.iterations) {
+    pass = linearise(map, points, result.T_map_base, gate, options.min_normal_cosine);
+    if (pass.partners < 5) break;
+    Eigen::Matrix3d H = pass.H;
+    Eigen::Vector3d g = pass.g;
+    if (prior) {
+      const Eigen::Vector3d off(result.T_map_base.x - prior->T_map_base.x, result.T_map_base.y - prior->T_map_base.y,
+                                wrap_angle(result.T_map_base.theta - prior->T_map_base.theta));
+      H += prior->information;
+      g += prior->information * off;
+    }
+    // A little damping holds the pose where neither surfaces nor prior say anything.
+    const double scale = 0.5 * (H(0, 0) + H(1, 1));
+    H(0, 0) += 1e-4 * scale;
+    H(1, 1) += 1e-4 * scale;
+    H(2, 2) += 1e-4 * H(2, 2) + 1e-9;
+    const Eigen::Vector3d step = -H.ldlt().solve(g);
+    if (!step.allFinite()) break;
+    result.T_map_base.x += step.x();
+    result.T_map_base.y += step.y();
+    result.T_map_base.theta = wrap_angle(result.T_map_base.theta + step.z());
+    const bool small = std::hypot(step.x(), step.y()) < options.stop_m && std::abs(step.z()) < options.stop_rad;
+    if (small && gate <= options.gate_end_m) {
+      result.converged = true;
+      break;
+    }
+    // The gate follows the error: far off it stays wide for a while.
+    if (std::hypot(step.x(), step.y()) + 2.0 * std::abs(step.z()) < 0.5 * gate) gate = std::max(options.gate_end_m, 0.6 * gate);
+  }
+  result.information = pass.H;
+  result.overlap = static_cast<double>(pass.partners) / static_cast<double>(std::max<std::size_t>(points.with_normal, 1));
+  result.residual_m = pass.partners > 0 ? std::sqrt(pass.squares / pass.partners) : 0.0;
+  if (!result.T_map_base.is_finite()) {
+    result = {};
+    result.T_map_base = guess;
+  }
+  return result;
+}
+
+double pose_score(const LocalMap& map, const MapPoints& points, const Pose2& T, std::size_t stride) {
+  const auto c = static_cast<float>(std::cos(T.theta)), s = static_cast<float>(std::sin(T.theta));
+  const auto tx = static_cast<float>(T.x), ty = static_cast<float>(T.y);
+  const auto reach = static_cast<float>(map.reach_m());
+  const float inverse = 1.0F / (reach * reach);
+  float sum = 0.0F;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    if (points.lone(i)) continue;
+    ++count;
+    const float qx = c * points.x[i] - s * points.y[i] + tx, qy = s * points.x[i] + c * points.y[i] + ty;
+    const float nx = c * points.nx[i] - s * points.ny[i], ny = s * points.nx[i] + c * points.ny[i];
+    const Surfel* surfel = map.find(qx, qy, nx, ny, 0.7F);
+    if (!surfel) continue;
+    const float dx = qx - surfel->x, dy = qy - surfel->y;
+    sum += std::max(0.0F, 1.0F - (dx * dx + dy * dy) * inverse);
+  }
+  return count > 0 ? static_cast<double>(sum) / static_cast<double>(count) : 0.0;
+}
+
+Pose2 search_lattice(const LocalMap& map, const MapPoints& points, const Pose2& centre, const LatticeSearch& lattice, double* best_score) {
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / std::max<std::size_t>(lattice.points, 1));
+  const int turns = static_cast<int>(lattice.half_angle_rad / lattice.step_rad), shifts = static_cast<int>(lattice.half_width_m / lattice.step_m);
+  Pose2 best = centre;
+  double best_value = -1.0, best_value_biased = -1.0;
+  for (int a = -turns; a <= turns; ++a) {
+    for (int i = -shifts; i <= shifts; ++i) {
+      for (int k = -shifts; k <= shifts; ++k) {
+        const Pose2 pose{centre.x + i * lattice.step_m, centre.y + k * lattice.step_m, wrap_angle(centre.theta + a * lattice.step_rad)};
+        const double value = pose_score(map, points, pose, stride);
+        // Among poses that explain as much, the nearer one.
+        const double far = std::hypot(i, k) / std::max(1, shifts) + std::abs(a) / static_cast<double>(std::max(1, turns));
+        const double biased = value - 0.03 * far;
+        if (biased > best_value_biased) best_value_biased = biased, best_value = value, best = pose;
+      }
+    }
+  }
+  if (best_score) *best_score = best_value;
+  return best;
+}
+
+}  // namespace phasescan

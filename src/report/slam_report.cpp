@@ -1,0 +1,167 @@
+#include "phasescan/report/slam_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "phasescan/io/map_file.hpp"
+#include "phasescan/report/chart.hpp"
+#include "phasescan/report/html.hpp"
+
+namespace phasescan {
+namespace {
+
+constexpr std::size_t kMostPoints = 4000;  // of a line in a figure
+constexpr double kFigureWidth = 900.0;
+
+/// A picture of the map with ways over it, in px of `scale` per metre.
+class MapPicture {
+ public:
+  explicit MapPicture(const TrinaryMap& map) : map_(map) {
+    width_m_ = map.width * map.resolution_m;
+    height_m_ = map.height * map.resolution_m;
+    scale_ = kFigureWidth / std::max(width_m_, 1e-6);
+    scale_ = std::min(scale_, 1.4 * kFigureWidth / std::max(height_m_, 1e-6));
+    body_ = fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\">"
+                        "<image x=\"0\" y=\"0\" width=\"{0:.0f}\" height=\"{1:.0f}\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{2}\"/>",
+                        width_m_ * scale_, height_m_ * scale_, base64(format_png(map)));
+  }
+
+  void way(std::span<const Pose2> poses, std::string_view color, double width) {
+    const std::size_t stride = std::max<std::size_t>(1, poses.size() / kMostPoints);
+    body_ += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" points=\"", color, width);
+    for (std::size_t i = 0; i < poses.size(); i += stride) body_ += fmt::format("{:.1f},{:.1f} ", px(poses[i].x), py(poses[i].y));
+    body_ += "\"/>";
+  }
+
+  void link(const Pose2& a, const Pose2& b, std::string_view color) {
+    body_ += fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"{}\" stroke-width=\"1.2\" stroke-opacity=\"0.6\"/>", px(a.x), py(a.y), px(b.x), py(b.y), color);
+  }
+
+  std::string str() const { return body_ + "</svg>"; }
+
+ private:
+  double px(double x) const { return (x - map_.origin.x) * scale_; }
+  double py(double y) const { return (height_m_ - (y - map_.origin.y)) * scale_; }
+  const TrinaryMap& map_;
+  double width_m_ = 0.0, height_m_ = 0.0, scale_ = 1.0;
+  std::string body_;
+};
+
+Series thinned(std::span<const float> values, const char* name) {
+  // The worst of each stretch is what matters.
+  Series series;
+  series.name = name;
+  series.width = 1.0;
+  const std::size_t stretch = std::max<std::size_t>(1, values.size() / 1500);
+  for (std::size_t i = 0; i < values.size(); i += stretch) {
+    const auto part = values.subspan(i, std::min(stretch, values.size() - i));
+    series.x.push_back(static_cast<double>(i));
+    series.y.push_back(static_cast<double>(*std::min_element(part.begin(), part.end())));
+  }
+  return series;
+}
+
+std::string overlap_chart(std::span<const float> overlap) {
+  Chart chart;
+  chart.title = "Share of each scan that lies on the map so far";
+  chart.x.label = "scan";
+  chart.y.label = "share";
+  chart.y.min = 0.0;
+  chart.y.max = 1.0;
+  chart.legend = LegendPlace::kNone;
+  chart.series.push_back(thinned(overlap, ""));
+  return chart.svg(900, 260);
+}
+
+std::string time_chart(std::span<const float> cpu_ms) {
+  Chart chart;
+  chart.title = "CPU time per scan, most of each stretch";
+  chart.x.label = "scan";
+  chart.y.label = "ms";
+  chart.y.from_zero = true;
+  chart.legend = LegendPlace::kNone;
+  std::vector<float> negative(cpu_ms.begin(), cpu_ms.end());
+  for (float& v : negative) v = -v;
+  Series series = thinned(negative, "");
+  for (double& v : series.y) v = -v;
+  chart.series.push_back(std::move(series));
+  return chart.svg(900, 260);
+}
+
+std::string correction_chart(const SlamReport& report) {
+  Chart chart;
+  chart.title = "How far the loops moved each scan";
+  chart.x.label = "scan";
+  chart.y.label = "m";
+  chart.y.from_zero = true;
+  chart.legend = LegendPlace::kNone;
+  std::vector<float> moved;
+  for (std::size_t i = 0; i < report.trajectory.size() && i < report.odometry.size(); ++i) {
+    moved.push_back(static_cast<float>(translation_distance(report.trajectory[i], report.odometry[i])));
+  }
+  chart.series.push_back(thinned(moved, ""));
+  return chart.svg(900, 260);
+}
+
+}  // namespace
+
+std::string base64(std::string_view bytes) {
+  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](std::size_t k) { return k < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[k])) : 0U; };
+    const unsigned three = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
+    out += kDigits[three >> 18 & 63];
+    out += kDigits[three >> 12 & 63];
+    out += i + 1 < bytes.size() ? kDigits[three >> 6 & 63] : '=';
+    out += i + 2 < bytes.size() ? kDigits[three & 63] : '=';
+  }
+  return out;
+}
+
+std::string format_slam_report(const SlamReport& report) {
+  HtmlReport html("Map of " + report.log_name, "Trajectory and map that phasescan slam made of the log.");
+  html.heading("Map");
+  if (report.map) {
+    MapPicture picture(*report.map);
+    picture.way(report.trajectory, palette::kBlue, 1.5);
+    html.figure(picture.str(), "White: free, black: occupied, grey: unknown. Blue: the way of the robot.");
+  }
+  Table facts;
+  facts.header = {"what", "value"};
+  facts.text_columns = 2;
+  for (const auto& [name, value] : report.facts) facts.rows.push_back({name, value});
+  html.table(facts);
+  html.heading("Loops");
+  if (report.map && report.graph) {
+    MapPicture picture(*report.map);
+    picture.way(report.odometry, palette::kOrange, 1.2);
+    picture.way(report.trajectory, palette::kBlue, 1.2);
+    const auto& poses = report.graph->poses();
+    std::size_t loops = 0;
+    for (const PoseEdge& e : report.graph->edges()) loops += e.robust && e.enabled;
+    const std::size_t stride = std::max<std::size_t>(1, loops / 2000);
+    std::size_t n = 0;
+    for (const PoseEdge& e : report.graph->edges()) {
+      if (e.robust && e.enabled && n++ % stride == 0) picture.link(poses[static_cast<std::size_t>(e.from)], poses[static_cast<std::size_t>(e.to)], palette::kGreen);
+    }
+    for (const auto& [from, to] : report.undone) picture.link(poses[static_cast<std::size_t>(from)], poses[static_cast<std::size_t>(to)], palette::kVermillion);
+    html.figure(picture.str(), "Orange: the way before loops (laser odometry alone), blue: with them. Green: loops that hold, red: loops that were taken out again.");
+  }
+  if (!report.trajectory.empty()) html.figure(correction_chart(report), "Distance between the two ways, scan by scan.");
+  html.heading("Confidence over time");
+  if (!report.overlap.empty()) html.figure(overlap_chart(report.overlap), "Low values: new ground, people, or a tracker in trouble.");
+  html.heading("Warnings");
+  if (report.warnings.empty()) html.paragraph("None.");
+  else html.bullets(report.warnings);
+  if (!report.cpu_ms.empty()) {
+    html.heading("Times");
+    html.figure(time_chart(report.cpu_ms), "Tracking and, at 1 thread, the work on loops and graph that was due with that scan.");
+  }
+  return html.str();
+}
+
+}  // namespace phasescan

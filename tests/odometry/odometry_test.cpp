@@ -1,0 +1,153 @@
+#include "phasescan/odometry/odometry.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "support/toy_world.hpp"
+
+namespace phasescan {
+namespace {
+
+using testing::ToyLidar;
+using testing::toy_scan;
+using testing::toy_tour;
+using testing::two_rooms;
+
+constexpr double kPeriod = 0.18;
+
+struct Drive {
+  double worst_m = 0.0, worst_rad = 0.0;
+  std::size_t untracked = 0;
+  WheelWitness::Counts wheels;
+};
+
+/// Drives the tour and compares each pose with the truth (both start at the first pose).
+template <class Wheels>
+Drive drive(const OdometryOptions& options, const ToyLidar& lidar, const LaserMount& mount, double speed, double turn_rate, Wheels&& wheels) {
+  const auto walls = two_rooms();
+  const auto tour = toy_tour(kPeriod, speed, turn_rate);
+  Random random(21);
+  Odometry odometry(options);
+  Drive out;
+  for (std::size_t i = 0; i < tour.size(); ++i) {
+    const Pose2 next = tour[std::min(i + 1, tour.size() - 1)];
+    const Twist2 step = log_pose(tour[i].inverse() * next);
+    const Twist2 twist{step.vx / kPeriod, step.vy / kPeriod, step.omega / kPeriod};
+    Twist2 laser = mount.laser_twist(twist);
+    if (mount.flipped) laser = {laser.vx, -laser.vy, -laser.omega};
+    const Scan scan = toy_scan(walls, tour[i] * mount.T_base_laser, lidar, random, stamp_from_seconds(100.0 + kPeriod * static_cast<double>(i)), laser, mount.flipped);
+    const OdometryStep found = odometry.add(scan, mount, wheels(i, tour));
+    const Pose2 truth = tour[0].inverse() * tour[i];
+    out.worst_m = std::max(out.worst_m, translation_distance(found.T_odom_stamp, truth));
+    out.worst_rad = std::max(out.worst_rad, angle_distance(found.T_odom_stamp.theta, truth.theta));
+    out.untracked += !found.tracked;
+  }
+  out.wheels = odometry.wheels().counts();
+  return out;
+}
+
+const auto kNoWheels = [](std::size_t, const std::vector<Pose2>&) { return std::optional<Pose2>(); };
+
+TEST(Odometry, FollowsATourWithScansAlone) {
+  const Drive d = drive({}, {}, {}, 0.4, 1.2, kNoWheels);
+  EXPECT_LT(d.worst_m, 0.04);
+  EXPECT_LT(d.worst_rad, 0.015);
+  EXPECT_EQ(d.untracked, 0u);
+}
+
+TEST(Odometry, DeskewsATurningLidarAndTheSwitchTurnsItOff) {
+  ToyLidar lidar;
+  lidar.turn_s = kPeriod;
+  const Drive with = drive({}, lidar, {}, 0.5, 1.5, kNoWheels);
+  EXPECT_LT(with.worst_m, 0.08);
+  OdometryOptions off;
+  off.deskew = false;
+  const Drive without = drive(off, lidar, {}, 0.5, 1.5, kNoWheels);
+  EXPECT_GT(without.worst_m, 1.4 * with.worst_m);
+}
+
+TEST(Odometry, MountedSidewaysAndUpsideDown) {
+  const LaserMount mount{{0.3, -0.1, 2.0}, true};
+  const Drive d = drive({}, {}, mount, 0.4, 1.2, kNoWheels);
+  EXPECT_LT(d.worst_m, 0.05);
+  EXPECT_LT(d.worst_rad, 0.015);
+}
+
+TEST(Odometry, LyingWheelsAreOutvoted) {
+  // Wheels that count backwards steps as forward ones and drift to the side.
+  Pose2 wheels;
+  const auto lying = [&](std::size_t i, const std::vector<Pose2>& tour) {
+    if (i > 0) {
+      const Pose2 step = tour[i - 1].inverse() * tour[i];
+      wheels = wheels * Pose2{i % 40 > 25 ? -step.x : step.x, step.y, step.theta};
+    }
+    return std::optional<Pose2>(wheels);
+  };
+  const Drive d = drive({}, {}, {}, 0.4, 1.2, lying);
+  EXPECT_LT(d.worst_m, 0.06);
+  EXPECT_GT(d.wheels.reversed, 10u);
+  EXPECT_GT(d.wheels.agreed, 50u);
+}
+
+TEST(Odometry, JumpingWheelsAreNoticed) {
+  const auto jumping = [&](std::size_t i, const std::vector<Pose2>& tour) {
+    return std::optional<Pose2>(i > 50 ? Pose2{50.0, -20.0, 1.0} * tour[i] : tour[i]);
+  };
+  const Drive d = drive({}, {}, {}, 0.4, 1.2, jumping);
+  EXPECT_LT(d.worst_m, 0.04);
+  EXPECT_EQ(d.wheels.jumped, 1u);
+}
+
+TEST(Odometry, HoldsStillAtRest) {
+  const auto walls = two_rooms();
+  Random random(2);
+  Odometry odometry;
+  double farthest = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    const OdometryStep step = odometry.add(toy_scan(walls, {0, 0, 0.2}, {}, random, stamp_from_seconds(0.1 * i)), {}, std::nullopt);
+    farthest = std::max(farthest, std::hypot(step.T_odom_mid.x, step.T_odom_mid.y));
+    if (i > 200) {
+      EXPECT_LT(std::abs(step.T_odom_mid.theta), 0.001);
+    }
+  }
+  EXPECT_LT(farthest, 0.006);
+}
+
+TEST(Odometry, HostileScansNeverBreakIt) {
+  const auto walls = two_rooms();
+  Random random(5);
+  Odometry odometry;
+  const ScanGeometry g{-kPi, kTwoPi / 90, 0.0, 0.0};
+  for (int i = 0; i < 120; ++i) {
+    Scan scan;
+    switch (i % 6) {
+      case 0: break;                                                                    // no beams at all
+      case 1: scan = make_scan(std::vector<float>(90, 0.0F), g); break;                 // nothing seen
+      case 2: scan = make_scan(std::vector<float>(90, 1e30F), g); break;                // nonsense
+      case 3: {
+        std::vector<float> noise(90);
+        for (float& r : noise) r = static_cast<float>(random.uniform(0.05, 20.0));
+        scan = make_scan(noise, g);
+        break;
+      }
+      case 4: scan = make_scan(std::vector<float>(1, 2.0F), g); break;
+      default: scan = toy_scan(walls, {0, 0, 0}, {}, random, 0); break;
+    }
+    scan.stamp = i % 7 == 0 ? -1'000'000'000'000 : stamp_from_seconds(0.1 * i);
+    const OdometryStep step = odometry.add(scan, {}, i % 5 == 0 ? std::optional<Pose2>(Pose2{1e8, std::nan(""), 0}) : std::nullopt);
+    EXPECT_TRUE(step.T_odom_mid.is_finite());
+    EXPECT_TRUE(step.T_odom_stamp.is_finite());
+    EXPECT_TRUE(step.information.allFinite());
+  }
+}
+
+TEST(Odometry, RefusesOptionsOutOfBounds) {
+  OdometryOptions options;
+  options.cell_m = 0.0;
+  EXPECT_THROW(Odometry{options}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace phasescan

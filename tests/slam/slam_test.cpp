@@ -1,0 +1,82 @@
+#include "phasescan/slam/slam.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "phasescan/eval/trajectory_error.hpp"
+#include "phasescan/io/g2o.hpp"
+#include "phasescan/io/map_file.hpp"
+#include "phasescan/io/tum.hpp"
+#include "support/toy_world.hpp"
+
+namespace phasescan {
+namespace {
+
+using testing::ToyLidar;
+using testing::toy_scan;
+using testing::toy_tour;
+using testing::two_rooms;
+
+struct TourResult {
+  std::string bytes;
+  ErrorStats ate;
+  LoopCounts loops;
+};
+
+TourResult run_tour(SlamOptions options, int threads, int laps) {
+  const auto walls = two_rooms();
+  const auto tour = toy_tour(0.18, 0.4, 1.2, laps);
+  Random random(33);
+  Slam slam(options, threads);
+  AssociatedPoses pairs;
+  for (std::size_t i = 0; i < tour.size(); ++i) {
+    slam.add(toy_scan(walls, tour[i], {}, random, stamp_from_seconds(0.18 * static_cast<double>(i))));
+    pairs.reference.push_back(tour[i]);
+  }
+  slam.finish();
+  pairs.estimate = slam.trajectory();
+  std::vector<StampedPose> stamped;
+  for (std::size_t i = 0; i < tour.size(); ++i) stamped.push_back({slam.records()[i].stamp, pairs.estimate[i]});
+  return {format_tum(stamped) + format_g2o(slam.backend().graph()) + format_pgm(make_trinary(slam.render_map())),
+          error_stats(absolute_trajectory_errors(pairs)), slam.backend().loop_counts()};
+}
+
+TEST(Slam, TwoLapsWithLoopsAreAccurate) {
+  SlamOptions options;
+  const TourResult run = run_tour(options, 1, 2);
+  EXPECT_LT(run.ate.rmse, 0.01);
+  EXPECT_LT(run.ate.max, 0.04);
+  EXPECT_GT(run.loops.accepted, 20u);
+}
+
+TEST(Slam, SameBytesForOneAndTwoThreadsAndTwice) {
+  SlamOptions options;
+  const TourResult one = run_tour(options, 1, 2), again = run_tour(options, 1, 2), two = run_tour(options, 2, 2);
+  EXPECT_EQ(one.bytes, again.bytes);
+  EXPECT_EQ(one.bytes, two.bytes);
+}
+
+TEST(Slam, OnePosePerScanWhateverComes) {
+  Slam slam;
+  Random random(1);
+  const auto walls = two_rooms();
+  slam.add(Scan{});
+  slam.add(make_scan(std::vector<float>(100, 0.0F), {-1.0, 0.01, 0.0, 0.0}));
+  for (int i = 0; i < 5; ++i) slam.add(toy_scan(walls, {0.02 * i, 0, 0}, {}, random, stamp_from_seconds(0.1 * i)));
+  slam.repeat(toy_scan(walls, {0.08, 0, 0}, {}, random, stamp_from_seconds(0.4)));
+  slam.finish();
+  ASSERT_EQ(slam.trajectory().size(), 8u);
+  for (const Pose2& p : slam.trajectory()) EXPECT_TRUE(p.is_finite());
+  EXPECT_EQ(slam.trajectory()[7].x, slam.trajectory()[6].x);
+}
+
+TEST(Slam, NothingAtAllIsAnEmptyMap) {
+  Slam slam;
+  slam.finish();
+  EXPECT_TRUE(slam.trajectory().empty());
+  EXPECT_EQ(make_trinary(slam.render_map()).cells.size(), 1u);
+}
+
+}  // namespace
+}  // namespace phasescan
