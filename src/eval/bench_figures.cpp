@@ -165,8 +165,7 @@ Chart overlap_chart(const std::vector<PairOutcome>& outcomes, const std::vector<
   chart.title = title;
   chart.x.label = "overlap of the two scans at the true pose";
   chart.y.label = "success [%]";
-  chart.subtitle =
-      "bins of 0.05, the first holds all below 0.55; at least 5 pairs each; whiskers: 95 % Wilson interval";
+  chart.subtitle = "first point: all below 0.55; with 95 % intervals";
   chart.y.min = 0.0;
   chart.y.max = 103.0;
   for (std::size_t m = 0; m < methods.size(); ++m) {

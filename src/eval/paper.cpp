@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "eval/paper_kit.hpp"
+#include "phasescan/core/angle.hpp"
 #include "phasescan/io/config.hpp"
 #include "phasescan/sim/pairs_spec.hpp"
 #include "sim/embedded.hpp"
@@ -64,6 +65,14 @@ PaperPairs paper_pairs(const PaperOptions& options) {
   std::size_t sets = 0;
   for (const sim::PairRow& row : spec.rows) sets += row.classes.size();
   return {std::make_shared<const sim::PairGenerator>(spec, options.seed), sets * per_scene_and_class};
+}
+
+MissingFeatures missing_features(const Scan& scan, const MatchOptions& options) {
+  MissingFinder finder;
+  MissingFeatures out;
+  finder.find(scan, options.missing.beyond_dmax ? options.image.dmax_m : 0.0, deg_to_rad(options.missing.min_width_deg),
+              out);
+  return out;
 }
 
 PaperFiles run_paper(const PaperOptions& options, const std::function<void(std::string_view)>& progress) {

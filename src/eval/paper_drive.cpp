@@ -171,6 +171,21 @@ void summary_figure(PaperKit& kit, const Experiment& all) {
              "claims smoother curves for the FFT method under vibration.");
 }
 
+/// "Roughness at 0.3 m/s ...: icp 16 mm, ..."
+std::string roughness_text(const Experiment& all, Variant variant) {
+  std::string out;
+  for (std::size_t p = 0; p < all.drives.size(); ++p) {
+    if (all.drives[p].speed_mps != 0.3) continue;
+    const std::vector<Runner> who = runners();
+    for (std::size_t r = 0; r < who.size(); ++r) {
+      if (who[r].variant != variant) continue;
+      out += fmt::format("{} {} {} mm", out.empty() ? ":" : ",", who[r].name,
+                         plain_number(1e3 * all.tracks[p].at(kEveryScan)[r].roughness(), 0));
+    }
+  }
+  return fmt::format("Roughness at 0.3 m/s, every scan matched, {}{}.", variant_name(variant), out);
+}
+
 }  // namespace
 
 void paper_drive(PaperKit& kit) {
@@ -212,6 +227,7 @@ void paper_drive(PaperKit& kit) {
       "one match a second is shown too.",
       plain_number(kLength_m, 0)));
   summary_figure(kit, all);
+  kit.report.bullets({roughness_text(all, Variant::kPrinted), roughness_text(all, Variant::kOurs)});
   Figure trajectories, errors;
   trajectories.cell_width = trajectories.cell_height = 360.0;
   errors.cell_width = 400.0;

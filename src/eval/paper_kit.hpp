@@ -10,6 +10,7 @@
 #include "phasescan/eval/statistics.hpp"
 #include "phasescan/report/chart.hpp"
 #include "phasescan/report/html.hpp"
+#include "phasescan/scan/missing.hpp"
 
 namespace phasescan {
 
@@ -44,6 +45,9 @@ struct PaperPairs {
   std::size_t count = 0;
 };
 PaperPairs paper_pairs(const PaperOptions& options);
+
+/// The missing-data features of a scan as fft-icp2 sees them.
+MissingFeatures missing_features(const Scan& scan, const MatchOptions& options);
 
 // The parts, in the order of the report.
 void paper_images(PaperKit& kit, const PaperPairs& pairs);     ///< Fig. 2, 3

@@ -201,6 +201,7 @@ void SvgCanvas::text(double x, double y, std::string_view content, const TextSty
   body_ += fmt::format(R"(<text x="{}" y="{}" font-size="{}" fill="{}")", px(x), px(y), px(style.size), style.color);
   if (style.anchor == TextAnchor::kMiddle) body_ += R"( text-anchor="middle")";
   if (style.anchor == TextAnchor::kEnd) body_ += R"( text-anchor="end")";
+  if (style.halo) body_ += R"( stroke="#ffffff" stroke-width="3" stroke-linejoin="round" paint-order="stroke")";
   if (style.bold) body_ += R"( font-weight="bold")";
   if (style.rotate_deg != 0.0)
     body_ += fmt::format(" transform=\"rotate({} {} {})\"", px(-style.rotate_deg), px(x), px(y));

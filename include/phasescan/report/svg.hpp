@@ -44,6 +44,7 @@ struct TextStyle {
   std::string color = std::string(palette::kInk);
   bool bold = false;
   double rotate_deg = 0.0;
+  bool halo = false;  ///< a white edge, to be read over data
 };
 
 /// Shapes of data points, so that figures can also be read in black and white.
