@@ -14,6 +14,10 @@ namespace {
 constexpr std::size_t kProbePoints = 64;      // points of the quick look that chooses among predictions
 constexpr double kStillM = 0.006, kStillRad = 0.003;
 constexpr double kMinUsualShare = 0.75;       // a prediction that explains less than this of what is usual is widened
+constexpr std::size_t kFinalPoints = 150;     // points that judge a finished match
+constexpr double kMinFinalShare = 0.85;       // a match that explains less than this of what is usual is doubted
+constexpr double kClearlyBetter = 0.04;       // by so much of its score another pose must be better to be taken instead
+constexpr double kSlow = 0.95;                // weight of the past in what is usual
 constexpr std::size_t kMinPoints = 12;
 constexpr double kLeastTrust = 0.6;            // wheels that agreed less often lately are not heard
 constexpr double kContradiction = 11.3;       // squared Mahalanobis distance (99 %) beyond which a step of the wheels is outvoted
@@ -111,12 +115,26 @@ Eigen::Matrix3d Odometry::grow_information(const Eigen::Matrix3d& matched, const
 
 Registration Odometry::match(const Pose2& guess, const PosePrior& prior, OdometryStep& step) {
   Registration found = register_points(map_, *points_, guess, {}, prior);
-  if (found.overlap >= options_.min_overlap) return found;
-  step.searched = true;
-  LatticeSearch lattice;
-  const Pose2 wide = search_lattice(map_, *points_, guess, lattice);
-  const Registration again = register_points(map_, *points_, wide);
-  return again.overlap > std::max(found.overlap + 0.1, options_.min_overlap) ? again : found;
+  const std::size_t stride = std::max<std::size_t>(1, points_->size() / kFinalPoints);
+  double score = pose_score(map_, *points_, found.T_map_base, stride);
+  if (found.overlap < options_.min_overlap || score < kMinFinalShare * usual_final_) {
+    // Not as well as scans usually lie on the map: look around for a pose that explains this one better.
+    step.searched = true;
+    for (const LatticeSearch& lattice : {LatticeSearch{0.3, 0.15, 0.72, 0.08, 70}, LatticeSearch{}}) {
+      const Pose2 wide = search_lattice(map_, *points_, found.T_map_base, lattice);
+      PosePrior moved_prior = prior;
+      moved_prior.T_map_base.theta = wide.theta;
+      const Registration again = register_points(map_, *points_, wide, {}, moved_prior);
+      const double again_score = pose_score(map_, *points_, again.T_map_base, stride);
+      if (again_score > score + kClearlyBetter) {
+        found = again;
+        score = again_score;
+      }
+      if (found.overlap >= options_.min_overlap) break;
+    }
+  }
+  if (found.overlap >= options_.min_overlap) usual_final_ = kSlow * usual_final_ + (1.0 - kSlow) * score;
+  return found;
 }
 
 OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& wheel) {
@@ -179,7 +197,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step_covariance_ = known.inverse() / (timing.periods * timing.periods);
     step.information = grow_information(believed_information(rotate_information(found.information, -found.T_map_base.theta)), known, moved);
     untracked_ = 0;
-    usual_score_ = 0.95 * usual_score_ + 0.05 * std::max(score, 0.0);
+    usual_score_ = kSlow * usual_score_ + (1.0 - kSlow) * std::max(score, 0.0);
     step_ = scaled(moved, 1.0 / timing.periods);
   } else {
     ++untracked_;

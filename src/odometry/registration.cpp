@@ -128,11 +128,10 @@ double pose_score(const LocalMap& map, const MapPoints& points, const Pose2& T, 
   float sum = 0.0F;
   std::size_t count = 0;
   for (std::size_t i = 0; i < points.size(); i += stride) {
-    if (points.lone(i)) continue;
     ++count;
     const float qx = c * points.x[i] - s * points.y[i] + tx, qy = s * points.x[i] + c * points.y[i] + ty;
     const float nx = c * points.nx[i] - s * points.ny[i], ny = s * points.nx[i] + c * points.ny[i];
-    const Surfel* surfel = map.find(qx, qy, nx, ny, 0.7F);
+    const Surfel* surfel = points.lone(i) ? map.find_lone(qx, qy) : map.find(qx, qy, nx, ny, 0.7F);
     if (!surfel) continue;
     const float dx = qx - surfel->x, dy = qy - surfel->y;
     sum += std::max(0.0F, 1.0F - (dx * dx + dy * dy) * inverse);

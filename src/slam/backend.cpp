@@ -1,6 +1,7 @@
 #include "phasescan/slam/backend.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -15,9 +16,13 @@ constexpr double kFloorM = 0.01, kFloorRad = 0.004;  // standard deviation that 
 constexpr double kDriftPerMetre = 0.01;   // how fast the map may drift where no loop holds it
 constexpr int kVisitNodes = 6;            // keyframes on either side of a visit's anchor that make its map
 constexpr int kAnchorStep = 4;            // anchors are multiples of it, so that neighbours share a map
-constexpr std::size_t kCachedMaps = 8;
+constexpr std::size_t kCachedMaps = 4;
 constexpr int kNodesPerOptimize = 60;
 constexpr int kFinalRounds = 2;
+constexpr double kCorridor = 0.02;     // ratio of information below which a direction counts as unseen
+constexpr double kSlideStepM = 0.1;
+constexpr int kSlideSteps = 10;
+constexpr double kSlideGain = 0.01;    // of the score, for a slide to be worth it
 
 /// Information of an edge: never better than the floor, never without a weak word.
 Eigen::Matrix3d edge_information(const Eigen::Matrix3d& information, double weak_m, double weak_rad) {
@@ -34,6 +39,27 @@ bool sees_both_ways(const Eigen::Matrix3d& information) {
   const Eigen::Matrix2d covariance = information.inverse().topLeftCorner<2, 2>();
   const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
   return 0.5 * covariance.trace() + std::hypot(half, covariance(0, 1)) < 0.1 * 0.1;
+}
+
+/// In a corridor a match stays where it was begun: looks along the direction it cannot see for a place where more fits.
+Registration slide_along_corridor(const LocalMap& map, const MapPoints& points, const Registration& found) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(found.information.topLeftCorner<2, 2>());
+  if (eigen.eigenvalues()(0) > kCorridor * eigen.eigenvalues()(1)) return found;
+  const Eigen::Vector2d along = eigen.eigenvectors().col(0);
+  double best = pose_score(map, points, found.T_map_base) + kSlideGain;
+  Pose2 best_pose = found.T_map_base;
+  bool moved = false;
+  for (int k = 1; k <= kSlideSteps; ++k) {
+    for (const double side : {-1.0, 1.0}) {
+      const Eigen::Vector2d shift = side * k * kSlideStepM * along;
+      const Pose2 pose{found.T_map_base.x + shift.x(), found.T_map_base.y + shift.y(), found.T_map_base.theta};
+      const double score = pose_score(map, points, pose);
+      if (score > best) best = score, best_pose = pose, moved = true;
+    }
+  }
+  if (!moved) return found;
+  const Registration again = register_points(map, points, best_pose);
+  return pose_score(map, points, again.T_map_base) > best - kSlideGain ? again : found;
 }
 
 }  // namespace
@@ -150,6 +176,8 @@ std::optional<Loop> Backend::compare(int other, int node, double uncertainty_m) 
     const Registration again = register_points(map, points, search_lattice(map, points, guess, lattice));
     if (again.overlap > found.overlap + 0.05) found = again;
   }
+  if (found.overlap < options_.loops.min_overlap) return std::nullopt;
+  found = slide_along_corridor(map, points, found);
   if (found.overlap < options_.loops.min_overlap || !found.converged) return std::nullopt;
   ++counts_.found;
   Loop loop;
@@ -234,14 +262,11 @@ void Backend::finish() {
 void Backend::rematch_all() {
   const int n = static_cast<int>(keyframes_.size());
   std::vector<Loop> loops;
+  LoopJudge judge(options_.loops);
   for (int node = 0; node < n; ++node) {
     for (const int anchor : nearby_visits(node, n - 1)) {
       if (const std::optional<Loop> loop = compare(anchor, node, 0.0)) {
-        const Pose2 error = graph_.poses()[static_cast<std::size_t>(node)].inverse() *
-                            (graph_.poses()[static_cast<std::size_t>(loop->from)] * loop->T_from_to);
-        if (std::hypot(error.x, error.y) < options_.loops.small_error_m && std::abs(error.theta) < deg_to_rad(options_.loops.small_error_deg)) {
-          loops.push_back(*loop);
-        }
+        for (const Loop& believed : judge.add(*loop, graph_.poses())) loops.push_back(believed);
       }
     }
   }

@@ -78,6 +78,7 @@ class Odometry {
   Eigen::Matrix3d since_keyframe_ = Eigen::Matrix3d::Zero();  // covariance of the pose relative to the last keyframe
   Twist2 twist_;
   double usual_score_ = 0.5;  // slow mean of the prediction's score
+  double usual_final_ = 0.5;  // the same of the finished match
   int untracked_ = 0;
   Pose2 still_sum_;           // standstill: sum of poses relative to the first
   Pose2 still_first_;

@@ -12,7 +12,7 @@ struct OdometryOptions {
   double keyframe_distance_m = 0.25;
   double keyframe_angle_deg = 15.0;
   int window_keyframes = 16;
-  double map_range_m = 40.0;
+  double map_range_m = 30.0;
   double cell_m = 0.1;
   double min_overlap = 0.35;
   int lost_after_scans = 8;
