@@ -30,6 +30,7 @@ class Worker {
     const double overlap = pair.truth ? scan_overlap(pair.reference, pair.scan, *pair.truth) : 0.0;
     for (std::size_t m = 0; m < matchers_.size(); ++m) {
       out[m] = judge(pair, matchers_[m].match(pair.reference, pair.scan), m, overlap, given.information);
+      out[m].source = given.source;
     }
   }
 
@@ -138,6 +139,7 @@ BenchRun run_bench(const PairSource& source, const std::vector<BenchMethod>& met
     fft_ms.push_back(time_reference_fft());
     if (settings.progress) settings.progress(run.pairs);
   }
+  separate_sources(run.outcomes);
   run.fft_ms = quantile(std::move(fft_ms), 0.5);
   return run;
 }

@@ -1,5 +1,7 @@
 #include <deque>
 #include <exception>
+#include <map>
+#include <set>
 #include <thread>
 
 #include "phasescan/eval/bench.hpp"
@@ -8,12 +10,6 @@
 
 namespace phasescan {
 namespace {
-
-std::string file_stem(const std::string& path) {
-  const std::size_t slash = path.find_last_of('/');
-  const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
-  return name.substr(0, name.find('.'));
-}
 
 BenchPair simulate(const sim::PairGenerator& generator, std::size_t k) {
   sim::SimulatedPair made = generator.make(k);
@@ -29,10 +25,28 @@ BenchPair simulate(const sim::PairGenerator& generator, std::size_t k) {
 
 }  // namespace
 
+std::string source_name(const std::string& path) {
+  const std::size_t slash = path.find_last_of('/');
+  const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
+  return name.substr(0, name.find('.'));
+}
+
+void separate_sources(std::vector<PairOutcome>& outcomes) {
+  std::map<std::string, std::set<std::string>> sources_of, datasets_of;
+  for (const PairOutcome& o : outcomes) {
+    sources_of[o.dataset].insert(o.source);
+    datasets_of[o.source].insert(o.dataset);
+  }
+  for (PairOutcome& o : outcomes) {
+    if (sources_of[o.dataset].size() < 2) continue;
+    o.dataset = datasets_of[o.source].size() > 1 ? o.source + "/" + o.dataset : o.source;
+  }
+}
+
 PairSource pair_source(const std::vector<ScanPair>& pairs) {
   return [&pairs, next = std::size_t{0}]() mutable -> std::optional<BenchPair> {
     if (next == pairs.size()) return std::nullopt;
-    return BenchPair{pairs[next++], std::nullopt};
+    return BenchPair{pairs[next++], std::nullopt, {}};
   };
 }
 
@@ -48,8 +62,8 @@ PairSource file_source(const std::string& path) {
     if (!pair.truth && pair.cls != kNoneClass) {
       throw InputError(path, line->line, "no \"truth\": expected {\"x\", \"y\", \"theta\"} for every class but none");
     }
-    if (pair.dataset.empty()) pair.dataset = file_stem(path);
-    return BenchPair{std::move(pair), std::nullopt};
+    if (pair.dataset.empty()) pair.dataset = source_name(path);
+    return BenchPair{std::move(pair), std::nullopt, source_name(path)};
   };
 }
 

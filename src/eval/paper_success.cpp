@@ -159,7 +159,7 @@ void paper_success(PaperKit& kit, const PaperPairs& pairs) {
 
   for (const std::string& path : kit.options.pairs) {
     const BenchRun real = run_bench(file_source(path), columns.methods, settings);
-    const std::string name = real.outcomes.empty() ? path : real.outcomes.front().dataset;
+    const std::string name = source_name(path);
     kit.report.heading("Fig. 10 and Table 2 on " + name);
     std::string file = "pairs_" + name;
     std::replace_if(

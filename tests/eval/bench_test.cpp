@@ -130,6 +130,24 @@ TEST(Bench, NoPairsIsAnEmptyTable) {
   EXPECT_TRUE(bench_figures(run, methods, {}).empty());
 }
 
+TEST(Bench, DatasetsOfOneNameFromTwoFilesKeepTheirOwnRows) {
+  const auto outcome = [](const char* source, const char* dataset) {
+    PairOutcome o;
+    o.source = source;
+    o.dataset = dataset;
+    return o;
+  };
+  std::vector<PairOutcome> outcomes{outcome("intel-180", "intel"), outcome("intel-360", "intel"),
+                                    outcome("mixed", "intel"), outcome("mixed", "other"), outcome("lone", "alone")};
+  separate_sources(outcomes);
+  EXPECT_EQ(outcomes[0].dataset, "intel-180");
+  EXPECT_EQ(outcomes[1].dataset, "intel-360");
+  EXPECT_EQ(outcomes[2].dataset, "mixed/intel");
+  EXPECT_EQ(outcomes[3].dataset, "other");
+  EXPECT_EQ(outcomes[4].dataset, "alone");
+  EXPECT_EQ(source_name("some/pairs.d/intel-180.jsonl.gz"), "intel-180");
+}
+
 TEST(BenchMethods, NamesAreCheckedAndNoneMayComeTwice) {
   EXPECT_EQ(bench_methods("ndt,icp", {}).at(1).options.match.method, MatchMethod::kIcp);
   EXPECT_THROW(bench_methods("icp,icp", {}), std::invalid_argument);

@@ -28,7 +28,15 @@ std::vector<BenchMethod> bench_methods(const std::string& comma_separated, const
 struct BenchPair {
   ScanPair pair;
   std::optional<Eigen::Matrix3d> information;
+  std::string source = {};  ///< the file's name without folder and ending, or the simulated set's
 };
+
+/// The file's name without folder and ending: "pairs/intel-180.jsonl.gz" -> "intel-180".
+std::string source_name(const std::string& path);
+
+/// Two files may hold pairs of one dataset under different conditions: where a dataset comes from several sources, it
+/// is renamed to its source ("source/dataset" if that has other datasets too), so that each keeps rows of its own.
+void separate_sources(std::vector<PairOutcome>& outcomes);
 
 /// Gives the next pair, or nothing at the end.
 using PairSource = std::function<std::optional<BenchPair>()>;

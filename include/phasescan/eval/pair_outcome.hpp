@@ -21,6 +21,7 @@ inline constexpr const char* kNoneClass = "none";
 /// What is kept of a match for the tables and figures.
 struct PairOutcome {
   std::string dataset;
+  std::string source = {};  ///< where the pair came from, see separate_sources
   std::string cls;
   std::size_t method = 0;  ///< index into the methods of the run
   bool has_truth = false;  ///< false: class none
