@@ -19,10 +19,11 @@ struct BenchFlags {
   bool seed_given = false;
 };
 
-/// All sources of the command, one after the other.
+/// All sources of the command, one after the other; after Ctrl-C there are no more pairs, and what was matched is
+/// written.
 PairSource chain(std::vector<PairSource> sources) {
   return [sources = std::move(sources), at = std::size_t{0}]() mutable -> std::optional<BenchPair> {
-    for (; at < sources.size(); ++at) {
+    for (; at < sources.size() && !InterruptGuard::interrupted(); ++at) {
       if (std::optional<BenchPair> pair = sources[at]()) return pair;
     }
     return std::nullopt;
@@ -71,7 +72,10 @@ int run_bench_command(const BenchFlags& flags) {
   settings.threads = common.threads;
   settings.repeat = flags.repeat;
   settings.progress = [&](std::size_t done) { progress.step(done); };
+  const InterruptGuard guard;
   const BenchRun run = run_bench(chain(std::move(sources)), methods, settings);
+  if (InterruptGuard::interrupted())
+    warn("stopped after " + std::to_string(run.pairs) + " pairs; the results are of these");
   write_results(flags.out, run, methods, info);
   return kDone;
 }
