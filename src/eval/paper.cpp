@@ -79,6 +79,11 @@ PaperFiles run_paper(const PaperOptions& options, const std::function<void(std::
   const auto begin = [&](std::string_view part) {
     if (progress) progress(part);
   };
+  for (const std::string& path : options.pairs) {  // a bad line now, not after minutes of work
+    const PairSource source = file_source(path);
+    while (source()) {
+    }
+  }
   PaperKit kit(options);
   const PaperPairs pairs = paper_pairs(options);
   kit.report.bullets(

@@ -86,6 +86,9 @@ void scene_figure(PaperKit& kit, const std::vector<PairOutcome>& outcomes, const
   figure.cell_width = 430.0;
   figure.cell_height = 240.0;
   for (const std::string& dataset : datasets_in_order(outcomes)) {
+    const bool any_truth = std::any_of(outcomes.begin(), outcomes.end(),
+                                       [&](const PairOutcome& o) { return o.dataset == dataset && o.has_truth; });
+    if (!any_truth) continue;
     for (const Variant variant : kBoth) {
       std::vector<PairOutcome> of_dataset;
       for (PairOutcome& o : only(outcomes, columns, variant)) {
@@ -161,6 +164,12 @@ void paper_success(PaperKit& kit, const PaperPairs& pairs) {
     const BenchRun real = run_bench(file_source(path), columns.methods, settings);
     const std::string name = source_name(path);
     kit.report.heading("Fig. 10 and Table 2 on " + name);
+    const bool any_truth =
+        std::any_of(real.outcomes.begin(), real.outcomes.end(), [](const PairOutcome& o) { return o.has_truth; });
+    if (!any_truth) {
+      kit.report.paragraph("No pair of this file has a true pose: there is nothing to succeed at.");
+      continue;
+    }
     std::string file = "pairs_" + name;
     std::replace_if(
         file.begin(), file.end(),
