@@ -37,6 +37,7 @@ class InputCheck {
   };
   std::map<std::string, Laser> lasers_;
   std::optional<Pose2> odometry_;
+  Stamp odometry_stamp_ = 0;
   std::map<std::string, InputOddity> oddities_;
 };
 

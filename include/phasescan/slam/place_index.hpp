@@ -1,0 +1,30 @@
+/// All places seen, searched by their descriptors.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "phasescan/slam/place_descriptor.hpp"
+
+namespace phasescan {
+
+struct PlaceHit {
+  std::uint32_t place = 0;
+  std::uint32_t distance = 0;  ///< sum of absolute differences
+};
+
+/// Brute force over 8-bit descriptors: 128 bytes a place, read in one sweep.
+class PlaceIndex {
+ public:
+  /// @return the number of the place, counting from 0
+  std::uint32_t add(const PlaceDescriptor& descriptor);
+  /// The `count` nearest of the first `limit` places (all where limit is 0), nearest first; earlier ones first among equals.
+  std::vector<PlaceHit> nearest(const PlaceDescriptor& query, std::size_t count, std::size_t limit = 0) const;
+  std::size_t size() const { return descriptors_.size() / kDescriptorSize; }
+
+ private:
+  std::vector<std::uint8_t> descriptors_;
+};
+
+}  // namespace phasescan

@@ -1,0 +1,183 @@
+// The slam and eval commands from outside: whole runs, good logs and bad ones, the same bytes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "phasescan/io/map_file.hpp"
+#include "phasescan/io/tum.hpp"
+#include "support/command.hpp"
+#include "support/toy_world.hpp"
+
+namespace phasescan {
+namespace {
+
+using nlohmann::json;
+using test::run_command;
+using test::slurp;
+using test::TempFolder;
+using ::testing::HasSubstr;
+
+/// What may be done to a log line before it is written; "" leaves the line out.
+struct ToyLog {
+  std::string flaser;  ///< CARMEN text
+  std::string truth;   ///< TUM text
+  std::size_t scans = 0;
+};
+
+ToyLog toy_log(std::size_t most = 200) {
+  const auto walls = testing::two_rooms();
+  const auto tour = testing::toy_tour(0.2, 0.4, 1.0);
+  Random random(77);
+  testing::ToyLidar lidar;
+  lidar.beams = 360;
+  lidar.field = kPi;
+  lidar.range_max = 0.0;
+  ToyLog log;
+  std::vector<StampedPose> truth;
+  for (std::size_t i = 0; i < std::min(most, tour.size()); ++i) {
+    const Stamp stamp = stamp_from_seconds(1000.0 + 0.2 * static_cast<double>(i));
+    const Scan scan = testing::toy_scan(walls, tour[i], lidar, random, stamp);
+    std::string line = "FLASER 360";
+    for (const float r : scan.ranges) line += fmt::format(" {:.3f}", r);
+    log.flaser += fmt::format("{} 0 0 0 {:.4f} {:.4f} {:.5f} {:.3f} host {:.3f}\n", line, tour[i].x, tour[i].y, tour[i].theta, stamp_to_seconds(stamp), 0.2 * static_cast<double>(i));
+    truth.push_back({stamp, tour[i]});
+    ++log.scans;
+  }
+  log.truth = format_tum(truth);
+  return log;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line + "\n");
+  return lines;
+}
+
+json summary_in(const TempFolder& folder) { return json::parse(slurp(folder / "out/summary.json")); }
+
+test::CommandResult slam(const TempFolder& folder, const std::string& text, std::vector<std::string> more = {}) {
+  folder.put("toy.log", text);
+  std::vector<std::string> arguments = {"slam", folder / "toy.log", "--out", folder / "out"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return run_command(arguments);
+}
+
+TEST(SlamCommand, AWholeRunLeavesEveryFileAndAnAccurateTrajectory) {
+  const TempFolder folder;
+  const ToyLog log = toy_log();
+  const auto run = slam(folder, log.flaser, {"--odometry", "none"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(run.out, "");
+  EXPECT_EQ(read_tum(folder / "out/trajectory.tum").size(), log.scans);
+  const TrinaryMap map = read_map(folder / "out/map.yaml");
+  EXPECT_GT(std::count(map.cells.begin(), map.cells.end(), CellState::kFree), 5000);
+  EXPECT_THAT(slurp(folder / "out/graph.g2o"), HasSubstr("EDGE_SE2 0 1 "));
+  EXPECT_THAT(slurp(folder / "out/report.html"), HasSubstr("</html>"));
+  EXPECT_EQ(slurp(folder / "out/map.png").substr(1, 3), "PNG");
+  const json summary = summary_in(folder);
+  EXPECT_EQ(summary["scans"], log.scans);
+  EXPECT_TRUE(summary["complete"]);
+  EXPECT_TRUE(summary["warnings"].empty());
+  EXPECT_GT(json::parse(slurp(folder / "out/timing.json"))["peak_memory_mib"], 1.0);
+  folder.put("truth.tum", log.truth);
+  const auto eval = run_command({"eval", "--trajectory", folder / "out/trajectory.tum", "--reference", folder / "truth.tum", "--json"});
+  EXPECT_EQ(eval.code, 0) << eval.err;
+  EXPECT_LT(json::parse(eval.out)["ate_m"]["rmse"], 0.03);
+}
+
+TEST(SlamCommand, SameBytesWhateverTheThreads) {
+  const TempFolder one, two;
+  const ToyLog log = toy_log();
+  EXPECT_EQ(slam(one, log.flaser, {"--no-times"}).code, 0);
+  EXPECT_EQ(slam(two, log.flaser, {"--no-times", "--threads", "2"}).code, 0);
+  for (const char* file : {"trajectory.tum", "graph.g2o", "map.pgm", "map.yaml", "map.png", "summary.json", "report.html"}) {
+    EXPECT_EQ(slurp(one / "out/" + file), slurp(two / "out/" + file)) << file;
+  }
+  EXPECT_EQ(slurp(one / "out/timing.json"), "");
+}
+
+TEST(SlamCommand, BadLogsEndInAMapOfWhatWasGood) {
+  const auto good = lines_of(toy_log(120).flaser);
+  const auto joined = [](const std::vector<std::string>& lines) {
+    std::string text;
+    for (const std::string& line : lines) text += line;
+    return text;
+  };
+  struct Case {
+    const char* name;
+    std::string text, warning;
+    int code;
+    std::size_t scans;
+  };
+  std::vector<Case> cases;
+  {
+    auto lines = good;
+    lines[60] = lines[60].substr(0, 300) + "\n";
+    cases.push_back({"a line cut short", joined(lines), "", 4, 119});
+  }
+  cases.push_back({"the end cut off", joined(good).substr(0, joined(good).size() - 400), "", 4, 119});
+  {
+    auto lines = good;
+    lines.insert(lines.begin() + 50, lines[49]);
+    cases.push_back({"a doubled scan", joined(lines), "repeated scan", 4, 121});
+  }
+  {
+    auto lines = good;
+    std::swap(lines[40], lines[80]);
+    cases.push_back({"time going backwards", joined(lines), "time going backwards", 4, 120});
+  }
+  {
+    auto lines = good;
+    lines.erase(lines.begin() + 30, lines.begin() + 90);
+    cases.push_back({"a gap", joined(lines), "gap", 0, 60});
+  }
+  for (const Case& c : cases) {
+    const TempFolder folder;
+    const auto run = slam(folder, c.text, {"--odometry", "none"});
+    EXPECT_EQ(run.code, c.code) << c.name << ": " << run.err;
+    EXPECT_THAT(run.err, HasSubstr("warning")) << c.name;
+    EXPECT_EQ(read_tum(folder / "out/trajectory.tum").size(), c.scans) << c.name;
+    const json warnings = summary_in(folder)["warnings"];
+    EXPECT_FALSE(warnings.empty()) << c.name;
+    if (!c.warning.empty()) {
+      EXPECT_TRUE(warnings.contains(c.warning)) << c.name << warnings;
+    }
+    EXPECT_GT(read_map(folder / "out/map.yaml").cells.size(), 1000u) << c.name;
+  }
+}
+
+TEST(SlamCommand, RefusesWithOneLine) {
+  const TempFolder folder;
+  EXPECT_EQ(run_command({"slam", folder / "none.log", "--out", folder / "out"}).code, 2);
+  EXPECT_EQ(run_command({"slam"}).code, 2);
+  const auto empty = slam(folder, "# nothing\nPARAM robot_frontlaser_offset 0.0 nohost 0\n");
+  EXPECT_EQ(empty.code, 1) << empty.err;
+  const auto eval = run_command({"eval", "--trajectory", folder.put("t.tum", "1 0 0 0 0 0 0 1\n")});
+  EXPECT_EQ(eval.code, 2);
+  EXPECT_THAT(eval.err, HasSubstr("--reference"));
+  const auto bad = run_command({"eval", "--trajectory", folder.put("b.tum", "1 0 0 0 0 0 0 1\n1 2 3\n"), "--relations", folder / "r"});
+  EXPECT_EQ(bad.code, 2);
+  EXPECT_THAT(bad.err, HasSubstr("b.tum:2: "));
+}
+
+TEST(EvalCommand, RelationsByHand) {
+  const TempFolder folder;
+  const std::string t = folder.put("t.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n");
+  const std::string r = folder.put("r.relations", "0 1 1 0 0 0 0 0\n1 2 0.7 0.4 0 0 0 0.1\n0 9 1 0 0 0 0 0\n");
+  const auto run = run_command({"eval", "--trajectory", t, "--relations", r, "--json"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const json j = json::parse(run.out);
+  EXPECT_EQ(j["unanswered"], 1);
+  EXPECT_NEAR(j["translation_m"]["mean"], 0.25, 1e-5);
+  EXPECT_NEAR(j["rotation_deg"]["max"], rad_to_deg(0.1), 1e-4);
+  EXPECT_NEAR(j["translation_squared_m2"]["mean"], 0.125, 1e-5);
+  EXPECT_EQ(j["above_0.2_m"], 1);
+}
+
+}  // namespace
+}  // namespace phasescan
