@@ -18,6 +18,10 @@ constexpr int kVisitNodes = 6;            // keyframes on either side of a visit
 constexpr int kAnchorStep = 4;            // anchors are multiples of it, so that neighbours share a map
 constexpr std::size_t kCachedMaps = 4;
 constexpr int kNodesPerOptimize = 60;
+// Bounded memory: a place is shown well enough when so many keyframes look at it from so near, and a scan there fits so well.
+constexpr int kShownKeyframes = 2;
+constexpr double kShownM = 0.8, kShownRad = 0.6, kShownOverlap = 0.7;
+constexpr std::size_t kSurroundings = 16;
 constexpr int kFinalRounds = 2;
 constexpr double kCorridor = 0.02;     // ratio of information below which a direction counts as unseen
 constexpr double kSlideStepM = 0.1;
@@ -68,8 +72,16 @@ Backend::Backend(const SlamOptions& options) : options_(options), judge_(options
 
 void Backend::add_batch(std::vector<Keyframe> batch) {
   for (Keyframe& keyframe : batch) {
-    add_keyframe(std::move(keyframe));
-    if (options_.loops.enabled) find_loops(static_cast<int>(keyframes_.size()) - 1);
+    const Pose2 T_odom = keyframe.T_odom_base;
+    if (!(options_.slam.bounded_memory && locate(keyframe))) {
+      add_keyframe(std::move(keyframe));
+      handed_.push_back({static_cast<std::int32_t>(keyframes_.size()) - 1});
+      if (options_.loops.enabled) find_loops(static_cast<int>(keyframes_.size()) - 1);
+    }
+    handed_.back().odom_x = static_cast<float>(T_odom.x);
+    handed_.back().odom_y = static_cast<float>(T_odom.y);
+    handed_.back().odom_theta = static_cast<float>(T_odom.theta);
+    T_odom_last_ = T_odom;
   }
   const int n = static_cast<int>(keyframes_.size());
   if (large_correction_ || (new_edges_ > 0 && n - nodes_at_optimize_ >= kNodesPerOptimize)) optimize(large_correction_ ? 15 : 4);
@@ -81,12 +93,13 @@ void Backend::add_keyframe(Keyframe keyframe) {
     keyframes_.push_back(std::move(keyframe));
     return;
   }
-  const Pose2 step = keyframes_.back().T_odom_base.inverse() * keyframe.T_odom_base;
-  const int node = graph_.add_node(graph_.poses().back() * step);
+  const Handed& last = handed_.back();
+  const Pose2 step = last.T_node_keyframe() * (T_odom_last_.inverse() * keyframe.T_odom_base);
+  const int node = graph_.add_node(graph_.poses()[static_cast<std::size_t>(last.node)] * step);
   const double distance = std::hypot(step.x, step.y);
   since_loop_m_ += distance + 0.3 * std::abs(step.theta);
   PoseEdge edge;
-  edge.from = node - 1;
+  edge.from = last.node;
   edge.to = node;
   edge.T_from_to = step;
   if (keyframe.new_segment) {
@@ -97,6 +110,44 @@ void Backend::add_keyframe(Keyframe keyframe) {
   }
   graph_.add_edge(edge);
   keyframes_.push_back(std::move(keyframe));
+}
+
+bool Backend::locate(const Keyframe& keyframe) {
+  if (handed_.empty() || keyframe.new_segment) return false;
+  const auto& poses = graph_.poses();
+  const Handed& last = handed_.back();
+  const Pose2 guess = poses[static_cast<std::size_t>(last.node)] * last.T_node_keyframe() * (T_odom_last_.inverse() * keyframe.T_odom_base);
+  int around = 0, nearest = -1;
+  double least = kShownM;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const double distance = translation_distance(guess, poses[k]);
+    if (distance > kShownM || angle_distance(guess.theta, poses[k].theta) > kShownRad) continue;
+    ++around;
+    if (distance <= least) least = distance, nearest = static_cast<int>(k);
+  }
+  if (around < kShownKeyframes) return false;
+  if (nearest != surroundings_of_) {
+    build_surroundings(nearest, kSurroundings, surroundings_);
+    surroundings_of_ = nearest;
+  }
+  const Pose2 T_map_world = surroundings_.T_world_map().inverse();
+  const Registration found = register_points(surroundings_, *keyframe.points, T_map_world * guess);
+  const Pose2 pose = surroundings_.T_world_map() * found.T_map_base;
+  if (!found.converged || found.overlap < kShownOverlap || translation_distance(pose, guess) > options_.loops.small_error_m) return false;
+  const Pose2 relative = poses[static_cast<std::size_t>(nearest)].inverse() * pose;
+  handed_.push_back({nearest, static_cast<float>(relative.x), static_cast<float>(relative.y), static_cast<float>(relative.theta)});
+  since_loop_m_ = 0.0;
+  return true;
+}
+
+std::vector<Pose2> Backend::handed_in_poses(bool odometry) const {
+  std::vector<Pose2> out;
+  out.reserve(handed_.size());
+  for (const Handed& h : handed_) {
+    out.push_back(odometry ? Pose2{static_cast<double>(h.odom_x), static_cast<double>(h.odom_y), static_cast<double>(h.odom_theta)}
+                           : graph_.poses()[static_cast<std::size_t>(h.node)] * h.T_node_keyframe());
+  }
+  return out;
 }
 
 std::vector<int> Backend::nearby_visits(int node, int max_other) const {
@@ -222,6 +273,7 @@ void Backend::optimize(int max_iterations) {
   graph_.optimize(options);
   undo_contradicted();
   map_cache_.clear();
+  surroundings_of_ = -1;
   next_cached_ = 0;
   nodes_at_optimize_ = static_cast<int>(keyframes_.size());
   new_edges_ = 0;

@@ -34,6 +34,8 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
     keyframe.new_segment = step.new_segment;
     keyframe.scan = static_cast<std::int64_t>(records_.size());
     keyframe.stored = store_.size();
+    keyframe.mount = mount;
+    if (options_.slam.bounded_memory) keyframe.own_scan = std::make_shared<const Scan>(scan);
     keyframe.twist = step.twist;
     keyframe.T_mid_stamp = step.T_odom_mid.inverse() * step.T_odom_stamp;
     const MapPoints& points = *keyframe.points;
@@ -45,7 +47,7 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
   }
   const Pose2 relative = T_odom_keyframe_.inverse() * step.T_odom_stamp;
   records_.push_back({scan.stamp, keyframes_ - 1, static_cast<float>(relative.x), static_cast<float>(relative.y), static_cast<float>(relative.theta)});
-  if (step.is_keyframe || (options_.slam.polish && !options_.slam.bounded_memory)) store_.add(scan, mount);
+  if (!options_.slam.bounded_memory && (step.is_keyframe || options_.slam.polish)) store_.add(scan, mount);
   if (batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
   return step;
 }
@@ -78,7 +80,7 @@ void Slam::finish() {
 
 std::vector<Pose2> Slam::trajectory() const {
   if (!records_.empty() && polished_.size() == records_.size()) return polished_;
-  return anchored(backend_->poses());
+  return anchored(backend_->handed_in_poses());
 }
 
 OccupancyGrid Slam::render_map() const {
@@ -86,20 +88,17 @@ OccupancyGrid Slam::render_map() const {
   const bool polished = !records_.empty() && polished_.size() == records_.size();
   for (std::size_t i = 0; i < backend_->keyframes().size(); ++i) {
     const Keyframe& keyframe = backend_->keyframes()[i];
-    const LaserMount& mount = store_.mount(keyframe.stored);
+    const LaserMount& mount = keyframe.mount;
     const Pose2 T_map_stamp = polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend_->poses()[i] * keyframe.T_mid_stamp;
     Twist2 twist = options_.odometry.deskew ? mount.laser_twist(keyframe.twist) : Twist2{};
     if (mount.flipped) twist = {twist.vx, -twist.vy, -twist.omega};
-    grid.add_scan(store_.scan(keyframe.stored), T_map_stamp * mount.T_base_laser, mount.flipped, twist);
+    grid.add_scan(keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored), T_map_stamp * mount.T_base_laser, mount.flipped, twist);
   }
   return grid;
 }
 
 std::vector<Pose2> Slam::odometry_trajectory() const {
-  std::vector<Pose2> poses;
-  poses.reserve(backend_->keyframes().size());
-  for (const Keyframe& keyframe : backend_->keyframes()) poses.push_back(keyframe.T_odom_base);
-  return anchored(poses);
+  return anchored(backend_->handed_in_poses(true));
 }
 
 std::vector<Pose2> Slam::anchored(const std::vector<Pose2>& keyframe_poses) const {

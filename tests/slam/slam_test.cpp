@@ -57,6 +57,28 @@ TEST(Slam, SameBytesForOneAndTwoThreadsAndTwice) {
   EXPECT_EQ(one.bytes, two.bytes);
 }
 
+TEST(Slam, BoundedMemoryKeepsTheMapAndStopsGrowingInAKnownWorld) {
+  SlamOptions options;
+  options.slam.bounded_memory = true;
+  const auto walls = two_rooms();
+  const auto tour = toy_tour(0.18, 0.4, 1.2, 6);
+  Random random(5);
+  Slam slam(options);
+  AssociatedPoses pairs;
+  std::size_t nodes_halfway = 0;
+  for (std::size_t i = 0; i < tour.size(); ++i) {
+    slam.add(toy_scan(walls, tour[i], {}, random, stamp_from_seconds(0.18 * static_cast<double>(i))));
+    if (i == tour.size() / 2) nodes_halfway = slam.backend().keyframes().size();
+  }
+  slam.finish();
+  pairs.reference = tour;
+  pairs.estimate = slam.trajectory();
+  EXPECT_LT(error_stats(absolute_trajectory_errors(pairs)).rmse, 0.03);
+  EXPECT_LT(slam.backend().keyframes().size(), nodes_halfway + nodes_halfway / 10 + 5);
+  EXPECT_EQ(slam.scans().size(), 0u);
+  EXPECT_GT(make_trinary(slam.render_map()).cells.size(), 10000u);
+}
+
 TEST(Slam, OnePosePerScanWhateverComes) {
   Slam slam;
   Random random(1);

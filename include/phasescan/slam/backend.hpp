@@ -36,6 +36,11 @@ class Backend {
   /// The last words: a full optimisation, every keyframe compared with all its neighbours once more.
   void finish();
 
+  /// Poses on the map of all keyframes that were handed in, in that order; in bounded-memory mode not every one became a node
+  /// of the graph. With `odometry` as laser odometry saw them.
+  std::vector<Pose2> handed_in_poses(bool odometry = false) const;
+
+  /// The nodes of the graph.
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   const std::vector<Pose2>& poses() const { return graph_.poses(); }
   const PoseGraph& graph() const { return graph_; }
@@ -46,6 +51,7 @@ class Backend {
 
  private:
   void add_keyframe(Keyframe keyframe);
+  bool locate(const Keyframe& keyframe);
   void find_loops(int node);
   std::optional<Loop> compare(int from, int to, double uncertainty_m);
   std::vector<int> nearby_visits(int node, int max_other_end) const;
@@ -55,13 +61,25 @@ class Backend {
   void rematch_all();
   const LocalMap& visit_map(int anchor);
 
+  /// Where a keyframe that was handed in stands: at a node, or relative to one that already shows the place.
+  struct Handed {
+    std::int32_t node = 0;
+    float x = 0, y = 0, theta = 0;  // T_node_keyframe
+    float odom_x = 0, odom_y = 0, odom_theta = 0;
+    Pose2 T_node_keyframe() const { return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(theta)}; }
+  };
+
   SlamOptions options_;
   PoseGraph graph_;
+  std::vector<Handed> handed_;
+  Pose2 T_odom_last_;  // of the keyframe handed in last
   std::vector<Keyframe> keyframes_;
   LoopJudge judge_;
   LoopCounts counts_;
   std::vector<std::pair<int, std::unique_ptr<LocalMap>>> map_cache_;
   std::size_t next_cached_ = 0;
+  LocalMap surroundings_;     // bounded memory: of the node that scans stand at now
+  int surroundings_of_ = -1;
   int nodes_at_optimize_ = 0;
   std::size_t new_edges_ = 0;
   bool large_correction_ = false;

@@ -51,7 +51,7 @@ class Slam {
   const std::vector<ScanRecord>& records() const { return records_; }
   const Backend& backend() const { return *backend_; }
   const Odometry& odometry() const { return odometry_; }
-  /// Scans kept: all, or those of the keyframes in bounded-memory mode.
+  /// Scans kept: all, or those of keyframes without polish; none in bounded-memory mode.
   const ScanStore& scans() const { return store_; }
 
  private:
