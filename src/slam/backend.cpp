@@ -19,7 +19,7 @@ constexpr int kAnchorStep = 4;            // anchors are multiples of it, so tha
 constexpr std::size_t kCachedMaps = 4;
 constexpr int kNodesPerOptimize = 60;
 // Bounded memory: a place is shown well enough when so many keyframes look at it from so near, and a scan there fits so well.
-constexpr int kShownKeyframes = 2;
+constexpr int kShownKeyframes = 2, kMostKeyframes = 8;
 constexpr double kShownM = 0.8, kShownRad = 0.6, kShownOverlap = 0.7;
 constexpr std::size_t kSurroundings = 16;
 constexpr int kFinalRounds = 2;
@@ -133,10 +133,14 @@ bool Backend::locate(const Keyframe& keyframe) {
   const Pose2 T_map_world = surroundings_.T_world_map().inverse();
   const Registration found = register_points(surroundings_, *keyframe.points, T_map_world * guess);
   const Pose2 pose = surroundings_.T_world_map() * found.T_map_base;
-  if (!found.converged || found.overlap < kShownOverlap || translation_distance(pose, guess) > options_.loops.small_error_m) return false;
-  const Pose2 relative = poses[static_cast<std::size_t>(nearest)].inverse() * pose;
+  const bool full = around >= kMostKeyframes;
+  const bool fits = found.converged && found.overlap > (around > kMostKeyframes / 2 ? options_.odometry.min_overlap : kShownOverlap) &&
+                    translation_distance(pose, guess) < options_.loops.small_error_m;
+  if (!fits && !full) return false;
+  // Where the place has all the keyframes it may have, a scan that does not fit (people) stands where odometry puts it.
+  const Pose2 relative = poses[static_cast<std::size_t>(nearest)].inverse() * (fits ? pose : guess);
   handed_.push_back({nearest, static_cast<float>(relative.x), static_cast<float>(relative.y), static_cast<float>(relative.theta)});
-  since_loop_m_ = 0.0;
+  if (fits) since_loop_m_ = 0.0;
   return true;
 }
 

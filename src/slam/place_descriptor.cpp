@@ -17,12 +17,12 @@ constexpr int kSize = 128;
 constexpr double kReachM = 6.0;
 constexpr int kAngles = 64;  // samples of half a ring; the other half repeats it
 constexpr double kLeastRadius = 0.03, kMostRadius = 0.5;  // of the Nyquist frequency
-constexpr double kUnit = 40.0;  // of the 8-bit numbers: what the mean of a descriptor becomes
+constexpr double kUnit = 25.0;  // of the 8-bit numbers: what the mean of a descriptor becomes
 
 }  // namespace
 
 struct PlaceDescriber::Impl {
-  Rasterizer rasterizer{0.8, 0.0};
+  Rasterizer rasterizer;
   RealFft fft = RealFft::image(kSize, kSize);
   Image image;
   ComplexBuffer spectrum;
