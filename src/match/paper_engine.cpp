@@ -73,7 +73,8 @@ class PaperEngine final : public MatchEngine {
 
  private:
   bool enough(const ScanPoints& points) const {
-    return points.size() >= static_cast<std::size_t>(options_.match.min_points);
+    return points.size() >= static_cast<std::size_t>(options_.match.min_points) &&
+           extent(points) >= options_.match.min_extent_m;
   }
 
   void prepare_into(const Scan& reference, const Twist2& twist, PaperReference& data, MatchTimes& ms) {
@@ -146,7 +147,7 @@ class PaperEngine final : public MatchEngine {
   void accept(const ImageEstimate& estimate, RotationSource source, const ImageGrid& grid, MatchResult& result) const {
     result.T_ref_scan = estimate.T_ref_scan;
     result.rotation_source = source;
-    result.overlap = estimate.score;
+    result.overlap = std::min(1.0, estimate.score);  // a correlation, so a rounding above 1 can occur
     result.status = estimate.score >= options_.translation.min_score && estimate.score > 0.0 ? MatchStatus::kConverged
                                                                                              : MatchStatus::kNoPeak;
     result.usable = result.status == MatchStatus::kConverged;

@@ -1,5 +1,6 @@
 #include "phasescan/scan/points.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace phasescan {
@@ -23,6 +24,13 @@ void scan_to_points(const Scan& scan, ScanPoints& out, double max_range, const T
     out.range.push_back(scan.ranges[i]);
     out.beam.push_back(static_cast<int>(i));
   }
+}
+
+double extent(const ScanPoints& points) {
+  if (points.size() == 0) return 0.0;
+  const auto [left, right] = std::minmax_element(points.x.begin(), points.x.end());
+  const auto [low, high] = std::minmax_element(points.y.begin(), points.y.end());
+  return std::hypot(static_cast<double>(*right - *left), static_cast<double>(*high - *low));
 }
 
 }  // namespace phasescan

@@ -128,9 +128,10 @@ TEST_P(PaperMethods, HopelessScansAreRefusedWithAReason) {
   const ScanGeometry geometry{-kPi, deg_to_rad(1.0), 0.15, 6.0};
   std::vector<float> one(360, 0.0F);
   one[17] = 2.0F;
+  const Scan one_spot = make_scan(std::vector<float>(101, 2.0F), {}, std::vector<float>(101, 0.3F));
   for (const Scan& bad : {make_scan({}, {}), make_scan(std::vector<float>(360, 0.0F), geometry),
                           make_scan(std::vector<float>(360, nan), geometry), make_scan(one, geometry),
-                          make_scan(std::vector<float>{2.0F}, {})}) {
+                          make_scan(std::vector<float>{2.0F}, {}), one_spot}) {
     for (const MatchResult& result : {match(room, bad), match(bad, room), match(bad, bad)}) {
       EXPECT_FALSE(result.usable);
       EXPECT_EQ(result.status, MatchStatus::kNoPoints);

@@ -24,6 +24,7 @@ struct MatchGeneralOptions {
   bool fast = false;
   double min_confidence = 0.9;
   int min_points = 10;
+  double min_extent_m = 0.1;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -31,6 +32,8 @@ struct MatchGeneralOptions {
     v("fast", self.fast, OptionInfo{"", "trade a little robustness for time (fft-mh)"});
     v("min_confidence", self.min_confidence, OptionInfo{"", "usable above this probability (fft-mh)", 0, 1});
     v("min_points", self.min_points, OptionInfo{"", "fewer hits in either scan: no answer", 1, 1e6});
+    v("min_extent_m", self.min_extent_m,
+      OptionInfo{"m", "all hits of either scan within a box of this diagonal: no answer", 0, 100});
   }
 };
 

@@ -31,4 +31,7 @@ struct ScanPoints {
 /// @cost O(n); allocates only while `out` grows.
 void scan_to_points(const Scan& scan, ScanPoints& out, double max_range = 0.0, const Twist2& twist = {});
 
+/// Diagonal of the box around the points [m]; 0 without points.
+double extent(const ScanPoints& points);
+
 }  // namespace phasescan
