@@ -17,22 +17,20 @@ struct MhReference final : Reference::Data {
 
 class MhEngine final : public MatchEngine {
  public:
-  explicit MhEngine(const MatchOptions& options) : options_(options), search_(options.mh), own_(std::make_shared<MhReference>()) {
-    prepare_.sparse_points = options.mh.sparse_points;
-    prepare_.middle_points = options.mh.middle_points;
-  }
+  explicit MhEngine(const MatchOptions& options)
+      : options_(options), search_(options.match.fast ? options.mh.fast() : options.mh), own_(std::make_shared<MhReference>()) {}
 
   MatchResult match(const Scan& reference, const Scan& scan, const MatchHints& hints) override {
     MatchTimes ms;
     StageClock clock;
-    prepare_scan(reference, hints.reference_twist, prepare_, work_, own_->prepared);
+    prepare_scan(reference, hints.reference_twist, search_.prepare_options(true), work_, own_->prepared);
     clock.add_to(ms.image);
     return match_prepared(own_->prepared, scan, hints, ms);
   }
 
   std::shared_ptr<const Reference::Data> prepare(const Scan& reference, const Twist2& twist) override {
     auto data = std::make_shared<MhReference>();
-    prepare_scan(reference, twist, prepare_, work_, data->prepared);
+    prepare_scan(reference, twist, search_.prepare_options(true), work_, data->prepared);
     return data;
   }
 
@@ -48,15 +46,16 @@ class MhEngine final : public MatchEngine {
     result.rotation_source = hints.guess ? RotationSource::kGuess : RotationSource::kNone;
     result.confidence = 0.0;
     StageClock clock;
-    PrepareOptions without_table = prepare_;
-    without_table.with_table = false;
-    prepare_scan(scan, hints.scan_twist, without_table, work_, scan_);
+    prepare_scan(scan, hints.scan_twist, search_.prepare_options(false), work_, scan_);
     clock.add_to(result.ms.image);
     const auto least = static_cast<std::size_t>(options_.match.min_points);
     if (reference.size() < least || scan_.size() < least) return result;
 
-    search_.run(reference, scan_, hints.guess, outcome_);
-    clock.add_to(result.ms.refine);
+    SearchTimes times;
+    search_.run(reference, scan_, hints.guess, outcome_, &times);
+    result.ms.rotation = times.rotation;
+    result.ms.translation = times.translation;
+    result.ms.refine = times.refine;
     if (outcome_.hypotheses.empty()) {
       result.status = MatchStatus::kNoPeak;
       return result;
@@ -67,11 +66,12 @@ class MhEngine final : public MatchEngine {
     result.iterations = outcome_.refined.iterations;
     result.overlap = std::clamp(outcome_.evidence.matched / std::max(outcome_.evidence.hits, 1), 0.0, 1.0);
     result.covariance = covariance_of(outcome_);
-    result.confidence = confidence_of(confidence_features(reference, scan_, outcome_));
+    result.confidence = confidence_of(confidence_features(outcome_));
     result.ambiguous = is_ambiguous(outcome_);
     for (std::size_t k = 1; k < outcome_.hypotheses.size(); ++k) {
+      // Evidence decides between poses as the confidence does between right and wrong: by the margin.
       const double less = std::max(best.score - outcome_.hypotheses[k].score, 0.0);
-      result.alternatives.push_back({outcome_.hypotheses[k].T_ref_scan, *result.confidence * std::exp(-20.0 * less)});
+      result.alternatives.push_back({outcome_.hypotheses[k].T_ref_scan, *result.confidence * std::exp(-kMarginRate * less)});
     }
     const bool likely = *result.confidence > options_.match.min_confidence;
     result.usable = likely && !result.ambiguous;
@@ -79,8 +79,9 @@ class MhEngine final : public MatchEngine {
     return result;
   }
 
+  static constexpr double kMarginRate = 20.0;  // confidence of an alternative falls by e for each 0.05 of score
+
   MatchOptions options_;
-  PrepareOptions prepare_;
   MultiHypothesisSearch search_;
   PrepareWorkspace work_;
   std::shared_ptr<MhReference> own_;

@@ -3,14 +3,22 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "match/stage_clock.hpp"
 
 namespace phasescan {
 namespace {
 
 constexpr int kWindow = CorrelationWindow::kWindow;
-constexpr int kSlides = 2;
-constexpr double kFineSlack = 0.0015;
-constexpr double kTwinShare = 0.85;  // of the best coarse sum: worth a closer look
+constexpr int kPeakCells = 3;           // a second translation of one rotation is farther than this from the first
+constexpr double kTwinShare = 0.85;     // of the best coarse sum: worth a closer look
+constexpr int kSettleAttempts = 2;      // slides along the weakest direction that are followed
+constexpr double kWorthASlide = 0.01;   // by so much the score must be better there
+// Lengths as shares of the scale (about 6 m for an RPLidar A1), from the coarse cell down.
+constexpr double kQuickGateStart = 0.075, kMiddleGateStart = 0.05, kFineGateStart = 0.04, kGateEnd = 0.035;
+constexpr double kQuickSlack = 0.01, kFineSlack = 0.0015;
+constexpr double kDistinct = 0.02, kDistinctLeast_m = 0.05, kDistinctTurn_deg = 4.0;
 
 bool same_pose(const Pose2& a, const Pose2& b, double metres, double radians) {
   return translation_distance(a, b) < metres && angle_distance(a.theta, b.theta) < radians;
@@ -22,7 +30,32 @@ Pose2 shifted(const Pose2& centre, const ScoreTable& table, const CorrelationPea
   return {centre.x + cell * (peak.column - kWindow / 2), centre.y + cell * (peak.row - kWindow / 2), centre.theta};
 }
 
+bool better(const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; }
+
+Eigen::Vector2d weakest_direction(const Eigen::Matrix3d& information) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
+  eigen.computeDirect(Eigen::Matrix2d(information.topLeftCorner<2, 2>()));
+  return eigen.eigenvectors().col(0);
+}
+
 }  // namespace
+
+MultiHypothesisSearch::MultiHypothesisSearch(const MhOptions& options) : options_(options), rotations_(options) {
+  if (!options.free_space) weights_.violation = weights_.occluded = 0.0;
+  if (!options.missing_data) weights_.empty = 0.0;
+}
+
+PrepareOptions MultiHypothesisSearch::prepare_options(bool reference) const {
+  PrepareOptions prepare;
+  prepare.sparse_points = options_.sparse_points;
+  prepare.middle_points = options_.middle_points;
+  prepare.with_table = reference;
+  prepare.with_missing = options_.rotations == RotationSearch::kMissing;
+  prepare.adaptive_scale = options_.adaptive_scale;
+  if (!options_.free_space) prepare.values.free = prepare.values.unknown;
+  if (!options_.missing_data) prepare.values.empty = prepare.values.unknown;
+  return prepare;
+}
 
 // Fills window_ for translations around `centre`; returns what points outside of the table add to every sum.
 int MultiHypothesisSearch::correlate(const PreparedScan& reference, const PreparedScan& scan, const Pose2& centre) {
@@ -41,31 +74,16 @@ int MultiHypothesisSearch::correlate(const PreparedScan& reference, const Prepar
   return table.values().unknown * static_cast<int>(scan.sparse.count - offsets_.size());
 }
 
-void MultiHypothesisSearch::sweep(const PreparedScan& reference, const PreparedScan& scan, const Pose2& centre) {
+void MultiHypothesisSearch::sweep(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess) {
   coarse_.clear();
-  const int steps = std::max(1, static_cast<int>(std::lround(360.0 / options_.sweep_step_deg)));
-  for (int k = 0; k < steps; ++k) {
-    const Pose2 at{centre.x, centre.y, wrap_angle(centre.theta + kTwoPi * k / steps)};
+  const Pose2 centre = guess.value_or(Pose2{});
+  for (const RotationHypothesis& rotation : rotation_list_) {
+    const Pose2 at{centre.x, centre.y, rotation.theta};
     const int outside = correlate(reference, scan, at);
     const CorrelationPeak first = highest_peak(window_);
-    coarse_.push_back({shifted(at, reference.table, first), first.sum + outside, 0.0, RotationSource::kSweep});
-    const CorrelationPeak second = take_next_peak(window_, first, 3);
-    coarse_.push_back({shifted(at, reference.table, second), second.sum + outside, 0.0, RotationSource::kSweep});
-  }
-}
-
-// A room that looks the same after a quarter or half turn explains the scan at a place that may lie far outside the window:
-// looked for there, so that the answer can say so.
-void MultiHypothesisSearch::add_twins(const PreparedScan& reference, const PreparedScan& scan, double theta) {
-  coarse_.clear();
-  const double reach = 0.5 * kWindow * static_cast<double>(reference.table.cell());
-  for (const double turn : {0.5 * kPi, kPi, -0.5 * kPi}) {
-    for (const auto& [x, y] : {std::pair{-reach, -reach}, std::pair{reach, -reach}, std::pair{-reach, reach}, std::pair{reach, reach}}) {
-      const Pose2 at{x, y, wrap_angle(theta + turn)};
-      const int outside = correlate(reference, scan, at);
-      const CorrelationPeak peak = highest_peak(window_);
-      coarse_.push_back({shifted(at, reference.table, peak), peak.sum + outside, 0.0, RotationSource::kSweep});
-    }
+    coarse_.push_back({shifted(at, reference.table, first), first.sum + outside, 0.0, rotation.source});
+    const CorrelationPeak second = take_next_peak(window_, first, kPeakCells);
+    coarse_.push_back({shifted(at, reference.table, second), second.sum + outside, 0.0, rotation.source});
   }
 }
 
@@ -84,101 +102,130 @@ void MultiHypothesisSearch::thin(const PreparedScan& reference) {
   }
 }
 
-void MultiHypothesisSearch::run(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
-                                SearchOutcome& out) {
-  out.hypotheses.clear();
-  out.margin = out.profile = 0.0;
-  out.refined = {};
-  out.evidence = {};
-  sweep(reference, scan, guess.value_or(Pose2{}));
-  thin(reference);
-  const double scale = reference.scale_m;
-  const EvidenceWeights weights;
-  const SurfaceModel ref_model = reference.model(), scan_model = scan.model();
-
-  // Quick refinement with few points, one way.
+void MultiHypothesisSearch::refine_quickly(const PreparedScan& reference, const PreparedScan& scan, Hypothesis& hypothesis) const {
   PointToLineOptions quick;
-  quick.gate_start_m = 0.075 * scale;
-  quick.gate_end_m = 0.035 * scale;
+  quick.gate_start_m = kQuickGateStart * reference.scale_m;
+  quick.gate_end_m = kGateEnd * reference.scale_m;
   quick.max_iterations = 3;
-  quick.stop_m = 1e-3 * scale;
+  quick.stop_m = 1e-3 * reference.scale_m;
   quick.stop_rad = 1e-3;
-  for (Hypothesis& h : kept_) {
-    h.T_ref_scan = refine_point_to_line(ref_model, scan_model, h.T_ref_scan, quick, scan.sparse, nullptr).T_ref_scan;
-    h.score = weigh_evidence(reference, scan, reference.sparse, scan.sparse, h.T_ref_scan, 0.01 * scale).score(weights);
-  }
-  const int best_coarse = kept_.front().coarse;
-  const auto better = [](const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; };
+  hypothesis.T_ref_scan =
+      refine_point_to_line(reference.model(), scan.model(), hypothesis.T_ref_scan, quick, scan.sparse, nullptr).T_ref_scan;
+  hypothesis.score =
+      weigh_evidence(reference, scan, reference.sparse, scan.sparse, hypothesis.T_ref_scan, kQuickSlack * reference.scale_m).score(weights_);
+}
+
+void MultiHypothesisSearch::refine_candidates(const PreparedScan& reference, const PreparedScan& scan) {
+  for (Hypothesis& h : kept_) refine_quickly(reference, scan, h);
   std::stable_sort(kept_.begin(), kept_.end(), better);
-  const double distinct_m = std::max(0.02 * scale, 0.05), distinct_rad = deg_to_rad(4.0);
-  const auto keep_distinct = [&](std::vector<Hypothesis>& all) {
-    std::vector<Hypothesis>& distinct = out.hypotheses;
-    distinct.clear();
-    for (const Hypothesis& h : all) {
-      const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Hypothesis& k) { return same_pose(h.T_ref_scan, k.T_ref_scan, distinct_m, distinct_rad); });
-      if (!known) distinct.push_back(h);
+}
+
+// A room that looks the same after a quarter or half turn explains the scan at a place that may lie far outside the window:
+// looked for there, so that the answer can say so.
+void MultiHypothesisSearch::add_twins(const PreparedScan& reference, const PreparedScan& scan) {
+  const int best_coarse = std::max_element(kept_.begin(), kept_.end(), [](const auto& a, const auto& b) { return a.coarse < b.coarse; })->coarse;
+  const double theta = kept_.front().T_ref_scan.theta;
+  const double reach = 0.5 * kWindow * static_cast<double>(reference.table.cell());
+  for (const double turn : {0.5 * kPi, kPi, -0.5 * kPi}) {
+    for (const auto& [x, y] : {std::pair{-reach, -reach}, std::pair{reach, -reach}, std::pair{-reach, reach}, std::pair{reach, reach}}) {
+      const Pose2 at{x, y, wrap_angle(theta + turn)};
+      const int outside = correlate(reference, scan, at);
+      const CorrelationPeak peak = highest_peak(window_);
+      Hypothesis twin{shifted(at, reference.table, peak), peak.sum + outside, 0.0, RotationSource::kSweep};
+      if (twin.coarse < kTwinShare * best_coarse) continue;
+      refine_quickly(reference, scan, twin);
+      kept_.push_back(twin);
     }
-  };
-  add_twins(reference, scan, kept_.front().T_ref_scan.theta);
-  for (Hypothesis& h : coarse_) {
-    if (h.coarse < kTwinShare * best_coarse) continue;
-    h.T_ref_scan = refine_point_to_line(ref_model, scan_model, h.T_ref_scan, quick, scan.sparse, nullptr).T_ref_scan;
-    h.score = weigh_evidence(reference, scan, reference.sparse, scan.sparse, h.T_ref_scan, 0.01 * scale).score(weights);
-    kept_.push_back(h);
   }
-  std::stable_sort(kept_.begin(), kept_.end(), better);
-  keep_distinct(kept_);
+}
+
+void MultiHypothesisSearch::sort_distinct(std::vector<Hypothesis>& all, double scale_m, std::vector<Hypothesis>& distinct) {
+  std::stable_sort(all.begin(), all.end(), better);
+  distinct.clear();
+  const double metres = std::max(kDistinct * scale_m, kDistinctLeast_m), radians = deg_to_rad(kDistinctTurn_deg);
+  for (const Hypothesis& h : all) {
+    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Hypothesis& k) { return same_pose(h.T_ref_scan, k.T_ref_scan, metres, radians); });
+    if (!known) distinct.push_back(h);
+  }
+}
+
+void MultiHypothesisSearch::refine_finalists(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out) {
+  const double scale = reference.scale_m;
+  sort_distinct(kept_, scale, out.hypotheses);
   if (out.hypotheses.size() > static_cast<std::size_t>(options_.finalists)) out.hypotheses.resize(static_cast<std::size_t>(options_.finalists));
-
-  PointToLineOptions middle = quick;
-  middle.gate_start_m = 0.05 * scale;
+  PointToLineOptions middle;
+  middle.gate_start_m = kMiddleGateStart * scale;
+  middle.gate_end_m = kGateEnd * scale;
   middle.max_iterations = 3;
-  for (Hypothesis& h : out.hypotheses) {
-    h.T_ref_scan = refine_point_to_line(ref_model, scan_model, h.T_ref_scan, middle, scan.middle, &reference.middle).T_ref_scan;
-    h.score = weigh_evidence(reference, scan, reference.middle, scan.middle, h.T_ref_scan, kFineSlack * scale).score(weights);
-  }
   kept_ = out.hypotheses;
-  std::stable_sort(kept_.begin(), kept_.end(), better);
-  keep_distinct(kept_);
-  if (out.hypotheses.empty()) return;
+  for (Hypothesis& h : kept_) {
+    h.T_ref_scan = refine_point_to_line(reference.model(), scan.model(), h.T_ref_scan, middle, scan.middle, &reference.middle).T_ref_scan;
+    h.score = weigh_evidence(reference, scan, reference.middle, scan.middle, h.T_ref_scan, kFineSlack * scale).score(weights_);
+  }
+  sort_distinct(kept_, scale, out.hypotheses);
+}
 
+void MultiHypothesisSearch::settle(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out) {
+  const double scale = reference.scale_m;
   Hypothesis& best = out.hypotheses.front();
   PointToLineOptions fine;
-  fine.gate_start_m = 0.04 * scale;
-  fine.gate_end_m = 0.035 * scale;
-  fine.max_iterations = 2;
+  fine.gate_start_m = kFineGateStart * scale;
+  fine.gate_end_m = kGateEnd * scale;
+  fine.max_iterations = options_.fine_refinement ? 3 : 2;
+  const SurfaceBatch& of_scan = options_.fine_refinement ? scan.all : scan.middle;
+  const SurfaceBatch& of_ref = options_.fine_refinement ? reference.all : reference.middle;
   const auto weigh = [&](const Pose2& pose) { return weigh_evidence(reference, scan, reference.middle, scan.middle, pose, kFineSlack * scale); };
-  for (int attempt = 0; attempt < kSlides; ++attempt) {
-    out.refined = refine_point_to_line(ref_model, scan_model, best.T_ref_scan, fine);
+  for (int attempt = 0; attempt < kSettleAttempts; ++attempt) {
+    out.refined = refine_point_to_line(reference.model(), scan.model(), best.T_ref_scan, fine, of_scan, &of_ref);
     best.T_ref_scan = out.refined.T_ref_scan;
     out.evidence = weigh(best.T_ref_scan);
-    best.score = out.evidence.score(weights);
+    best.score = out.evidence.score(weights_);
     // A little way along the direction that the surfaces hold least: a better place, or how much worse it gets.
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
-    eigen.computeDirect(Eigen::Matrix2d(out.refined.information.topLeftCorner<2, 2>()));
-    const Eigen::Vector2d weakest = eigen.eigenvectors().col(0);
-    out.profile = 1e9;
+    const Eigen::Vector2d weakest = weakest_direction(out.refined.information);
+    out.profile = 2.0;
     Hypothesis slid = best;
     for (const double step : {-0.05, -0.02, 0.02, 0.05}) {
       Pose2 moved = best.T_ref_scan;
       moved.x += step * scale * weakest.x();
       moved.y += step * scale * weakest.y();
-      const double score = weigh(moved).score(weights);
+      const double score = weigh(moved).score(weights_);
       out.profile = std::min(out.profile, best.score - score);
       if (score > slid.score) {
         slid.score = score;
         slid.T_ref_scan = moved;
       }
     }
-    if (slid.score <= best.score + 0.01) break;
-    if (attempt + 1 < kSlides) best.T_ref_scan = slid.T_ref_scan;
+    if (slid.score <= best.score + kWorthASlide) break;
+    if (attempt + 1 < kSettleAttempts) best.T_ref_scan = slid.T_ref_scan;
   }
   out.margin = best.score + 2.0;
   for (std::size_t k = 1; k < out.hypotheses.size(); ++k) {
-    if (same_pose(out.hypotheses[k].T_ref_scan, best.T_ref_scan, distinct_m, distinct_rad)) continue;
+    if (same_pose(out.hypotheses[k].T_ref_scan, best.T_ref_scan, std::max(kDistinct * scale, kDistinctLeast_m), deg_to_rad(kDistinctTurn_deg))) continue;
     out.margin = best.score - out.hypotheses[k].score;
     break;
   }
+}
+
+void MultiHypothesisSearch::run(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
+                                SearchOutcome& out, SearchTimes* times) {
+  out.hypotheses.clear();
+  out.margin = out.profile = 0.0;
+  out.refined = {};
+  out.evidence = {};
+  if (reference.size() == 0 || scan.size() == 0) return;
+  SearchTimes unused;
+  SearchTimes& ms = times != nullptr ? *times : unused;
+  StageClock clock;
+  rotations_.list(reference, scan, guess, rotation_list_);
+  clock.add_to(ms.rotation);
+  sweep(reference, scan, guess);
+  thin(reference);
+  clock.add_to(ms.translation);
+  refine_candidates(reference, scan);
+  if (options_.twins && !guess) add_twins(reference, scan);
+  refine_finalists(reference, scan, out);
+  settle(reference, scan, out);
+  clock.add_to(ms.refine);
 }
 
 }  // namespace phasescan

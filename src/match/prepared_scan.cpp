@@ -6,6 +6,8 @@
 namespace phasescan {
 namespace {
 
+constexpr double kLeastScale_m = 0.2, kFixedScale_m = 6.3;
+
 // Picks about `count` hits so that equal lengths of surface lie between them: a near wall has many beams but no more to say.
 void sample_evenly(const SurfacePoints& surface, int count, std::vector<int>& out) {
   out.clear();
@@ -38,7 +40,7 @@ void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& o
   // The table must hold translations as long as people move between scans, yet keep its cells small in small places.
   const double extent = out.surface.extent;
   out.scale_m = std::max(1.05 * extent, std::min(3.2, 2.2 * extent));
-  out.scale_m = std::max(out.scale_m, 0.2);
+  out.scale_m = options.adaptive_scale ? std::max(out.scale_m, kLeastScale_m) : kFixedScale_m;
   const auto half_width = static_cast<float>(out.scale_m);
   out.nearest.build(out.surface.points, std::max(half_width, static_cast<float>(std::min(1.5 * out.scale_m, 1.05 * out.range_max_m))),
                     half_width / 50.0F);
@@ -49,6 +51,7 @@ void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& o
   out.middle.fill(out.surface, work.indices);
   sample_evenly(out.surface, static_cast<int>(out.surface.size()), work.indices);
   out.all.fill(out.surface, work.indices);
+  if (options.with_missing) work.missing.find(scan, 0.0, deg_to_rad(MissingOptions{}.min_width_deg), out.missing);
   if (options.with_table) out.table.build(out.surface, out.bearings, out.scale_m, options.values);
 }
 

@@ -36,7 +36,7 @@ void SumEquations(LineTask& task) {
   const V c = hn::Set(df, task.c), s = hn::Set(df, task.s), tx = hn::Set(df, task.tx), ty = hn::Set(df, task.ty);
   const V gate = hn::Set(df, task.gate), min_cosine = hn::Set(df, task.min_cosine), half = hn::Set(df, 0.5F);
   constexpr float kModelVariance = 4e-6F;  // [m^2] surfaces are not lines, beams are not points
-  const V base = hn::Set(df, kModelVariance + task.soft * task.soft), six = hn::Set(df, 6.0F);
+  const V base = hn::Set(df, kModelVariance + task.soft * task.soft), width = hn::Set(df, 4.0F);
   const bool with_leak = task.soft == 0.0F;
   V xx = hn::Zero(df), xy = xx, xt = xx, yy = xx, yt = xx, tt = xx, gx = xx, gy = xx, gt = xx;
   V lxx = xx, lxy = xx, lxt = xx, lyy = xx, lyt = xx, ltt = xx, cost = xx, partners = xx;
@@ -65,9 +65,9 @@ void SumEquations(LineTask& task) {
     // line_length each. Times the kernel (Geman-McClure): far residuals count less.
     const V line_variance = GatherField(df, task.points, index, kVariance);
     const V spread = hn::Div(hn::Mul(line_variance, line_length), hn::LoadU(df, task.length + k));
-    const V variance6 = hn::Mul(six, hn::Add(hn::Add(hn::LoadU(df, task.variance + k), spread), base));
-    const V below = hn::Add(variance6, hn::Mul(residual, residual));
-    const V w = hn::IfThenElseZero(good, hn::Div(hn::Mul(six, variance6), hn::Mul(below, below)));
+    const V widened = hn::Mul(width, hn::Add(hn::Add(hn::LoadU(df, task.variance + k), spread), base));
+    const V below = hn::Add(widened, hn::Mul(residual, residual));
+    const V w = hn::IfThenElseZero(good, hn::Div(hn::Mul(width, widened), hn::Mul(below, below)));
     const V jt = hn::Sub(hn::Mul(rx, ny), hn::Mul(ry, nx));
     const V wx = hn::Mul(w, nx), wy = hn::Mul(w, ny), wt = hn::Mul(w, jt);
     xx = hn::Add(xx, hn::Mul(wx, nx));

@@ -10,6 +10,8 @@ namespace {
 constexpr int kBeamsPerRestart = 64;   // the rotation recurrence is restarted so often: error below 1e-13
 constexpr double kMinFloor = 0.004;    // [m] no lidar of this kind is better than this
 constexpr int kMaxHalfWindow = 48;
+// A line is fitted this far to either side: long enough for the noise, short enough for furniture.
+constexpr double kReachShare = 0.015, kReachSigmas = 3.0;  // of the extent; of the range noise
 constexpr double kLeastCosine = 0.1;   // a beam along a wall is not as good as its noise across it says
 
 double median_of(std::vector<float>& values) {
@@ -167,7 +169,7 @@ void find_normals(double spacing, SurfaceWorkspace& work, SurfacePoints& out) {
     const double r = static_cast<double>(out.range[i]), sigma = static_cast<double>(out.sigma[i]);
     const double px = static_cast<double>(out.points[i].x), py = static_cast<double>(out.points[i].y);
     const double step = std::max(spacing * r, 1e-4);
-    const double reach = std::max(0.02 * out.extent, 6.0 * sigma);
+    const double reach = std::max(kReachShare * out.extent, kReachSigmas * sigma);
     const int half = std::clamp(static_cast<int>(std::ceil(reach / step)), 2, kMaxHalfWindow);
     const int begin = work.segment_begin[i], end = work.segment_end[i];
     SurfacePoint& point = out.points[i];
@@ -177,7 +179,8 @@ void find_normals(double spacing, SurfaceWorkspace& work, SurfacePoints& out) {
     if (end - begin < 3) continue;
     LineFit best = fit_line(work.sums, std::max(begin, i - half), std::min(end, i + half + 1));
     const double expected = sigma * sigma;
-    if (best.residual > 1.5 * expected) {
+    const double seen_at = std::max(std::abs(best.nx * px + best.ny * py) / r, 0.2);
+    if (best.residual > 1.5 * expected * seen_at * seen_at) {
       // A corner, perhaps: the side on which the line fits better.
       for (const int shift : {-half, half}) {
         const int from = std::max(begin, std::min(i, i - half + shift)), to = std::min(end, std::max(i + 1, i + half + 1 + shift));

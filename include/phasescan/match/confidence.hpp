@@ -14,7 +14,7 @@ struct ConfidenceFeatures {
   std::array<double, kCount> value{};
 };
 
-ConfidenceFeatures confidence_features(const PreparedScan& reference, const PreparedScan& scan, const SearchOutcome& outcome);
+ConfidenceFeatures confidence_features(const SearchOutcome& outcome);
 
 /// Probability that the best hypothesis is within 0.1 m and 3 deg of the truth: a logistic function of the features, fitted
 /// by tools/fit_confidence on simulated pairs.

@@ -8,6 +8,7 @@
 #include "phasescan/refine/point_to_line.hpp"
 #include "phasescan/rotation/from_normals.hpp"
 #include "phasescan/scan/bearing_table.hpp"
+#include "phasescan/scan/missing.hpp"
 #include "phasescan/scan/surface.hpp"
 
 namespace phasescan {
@@ -19,6 +20,7 @@ struct PreparedScan {
   NearestGrid nearest;
   ScoreTable table;
   NormalHistogram normals;
+  MissingFeatures missing;  ///< only where asked for
   SurfaceBatch sparse;      ///< hits evenly spaced along the surfaces, for the coarse sweep
   SurfaceBatch middle;      ///< the same, more of them, for refinement and evidence
   SurfaceBatch all;         ///< every hit
@@ -35,6 +37,8 @@ struct PrepareOptions {
   int middle_points = 128;
   double min_empty_run_rad = 0.0873;
   bool with_table = true;    ///< the coarse table is needed of the reference only
+  bool with_missing = false; ///< missing-data features as rotation hypotheses
+  bool adaptive_scale = true;
   ScoreTableValues values;
 };
 
@@ -42,6 +46,7 @@ struct PrepareWorkspace {
   SurfaceWorkspace surface;
   BearingWorkspace bearings;
   std::vector<int> indices;
+  MissingFinder missing;
 };
 
 /// @cost about 50 us for 360 beams, linear in beams
