@@ -86,6 +86,7 @@ class CsvReader final : public TextLogReader {
     for (std::size_t i = 0; i < kHeaderLines && next_line(line); ++i) {
       if (const auto layout = layout_of_line(line)) {
         layout_ = *layout;
+        guess_separator_ = is_comment(line);  // a header in a comment is for people
         return;
       }
     }
