@@ -101,4 +101,12 @@ Scan reduce_scan(const Scan& scan, double range_max, int beam_step) {
   return out;
 }
 
+Scan mirrored_scan(const Scan& scan) {
+  Scan out = scan;
+  out.geometry.angle_min = -scan.geometry.angle_min;
+  out.geometry.angle_increment = -scan.geometry.angle_increment;
+  for (float& angle : out.angles) angle = -angle;
+  return out;
+}
+
 }  // namespace phasescan

@@ -74,4 +74,7 @@ float raw_range(const Scan& scan, std::size_t i);
 /// it), and only every `beam_step`-th beam stays.
 Scan reduce_scan(const Scan& scan, double range_max, int beam_step);
 
+/// The same beams in the mirror: every direction changes its sign. What a laser mounted upside down sees, as an upright one.
+Scan mirrored_scan(const Scan& scan);
+
 }  // namespace phasescan

@@ -1,0 +1,58 @@
+// phasescan convert IN OUT: from any readable log format to any writable one.
+#include <memory>
+
+#include "commands.hpp"
+#include "phasescan/io/error.hpp"
+#include "phasescan/io/log_writer.hpp"
+
+namespace phasescan::app {
+namespace {
+
+struct ConvertFlags {
+  std::string in, out, to;
+  LogOptions options;
+};
+
+LogTarget target_of(const ConvertFlags& flags) {
+  if (flags.to.empty()) return log_target_for(flags.out);
+  const auto& names = log_target_names();
+  return static_cast<LogTarget>(std::find(names.begin(), names.end(), flags.to) - names.begin());
+}
+
+int run_convert(const ConvertFlags& flags) {
+  const LogTarget target = target_of(flags);
+  const auto reader = open_log(flags.in, flags.options);
+  const auto writer = make_log_writer(target, flags.out);
+  InterruptGuard guard;
+  Progress progress("converted", 0);
+  std::size_t scans = 0;
+  while (auto entry = reader->next()) {
+    writer->add(*entry);
+    progress.step(++scans);
+    if (InterruptGuard::interrupted()) break;
+  }
+  const int code = report_damages(*reader, kDone);
+  if (scans == 0) {
+    if (code == kDamagedInput) return fail(InputError(flags.in, 0, "nothing in it could be read").what(), kBadInput);
+    return fail(InputError(flags.in, 0, "holds no scan; expected at least one").what(), kAnswerIsNo);
+  }
+  writer->finish();
+  for (const std::string& loss : writer->losses()) warn(flags.out + ": " + loss);
+  return code;
+}
+
+void add_convert_command(CLI::App& app, CommandBody& body) {
+  auto* command = app.add_subcommand("convert", "a log in another format");
+  auto flags = std::make_shared<ConvertFlags>();
+  command->add_option("IN", flags->in, "a log of any readable format")->required();
+  command->add_option("OUT", flags->out, "the file to write; its ending tells the format")->required();
+  command->add_option("--to", flags->to, "the format, whatever OUT is called")->check(CLI::IsMember(log_target_names()));
+  command->add_option("--topic", flags->options.topic, "ROS logs: only this scan topic");
+  command->add_option("--columns", flags->options.columns, "text logs without a header: names of the columns, e.g. angle_deg,range_mm");
+  command->callback([flags, &body] { body = [flags] { return run_convert(*flags); }; });
+}
+
+const CommandRegistration kConvert{61, add_convert_command};
+
+}  // namespace
+}  // namespace phasescan::app
