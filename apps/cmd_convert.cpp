@@ -46,9 +46,11 @@ void add_convert_command(CLI::App& app, CommandBody& body) {
   auto flags = std::make_shared<ConvertFlags>();
   command->add_option("IN", flags->in, "a log of any readable format")->required();
   command->add_option("OUT", flags->out, "the file to write; its ending tells the format")->required();
-  command->add_option("--to", flags->to, "the format, whatever OUT is called")->check(CLI::IsMember(log_target_names()));
+  command->add_option("--to", flags->to, "the format, whatever OUT is called")
+      ->check(CLI::IsMember(log_target_names()));
   command->add_option("--topic", flags->options.topic, "ROS logs: only this scan topic");
-  command->add_option("--columns", flags->options.columns, "text logs without a header: names of the columns, e.g. angle_deg,range_mm");
+  command->add_option("--columns", flags->options.columns,
+                      "text logs without a header: names of the columns, e.g. angle_deg,range_mm");
   command->callback([flags, &body] { body = [flags] { return run_convert(*flags); }; });
 }
 

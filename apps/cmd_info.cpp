@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "commands.hpp"
+#include "phasescan/eval/log_doctor.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/log_summary.hpp"
 
@@ -12,7 +13,7 @@ namespace {
 
 struct InfoFlags {
   std::string log;
-  std::string topic;
+  LogOptions options;
 };
 
 void print_line(const std::string& name, const std::string& value) {
@@ -20,14 +21,14 @@ void print_line(const std::string& name, const std::string& value) {
 }
 
 int run_info(const InfoFlags& flags) {
-  LogOptions options;
-  options.topic = flags.topic;
-  const auto reader = open_log(flags.log, options);
+  const auto reader = open_log(flags.log, flags.options);
   LogSummary summary;
+  LogDoctor doctor;
   InterruptGuard guard;
   Progress progress("read", 0);
   while (auto entry = reader->next()) {
     summary.add(*entry);
+    doctor.add(*entry);
     progress.step(summary.scans());
     if (InterruptGuard::interrupted()) return kAnswerIsNo;
   }
@@ -39,6 +40,10 @@ int run_info(const InfoFlags& flags) {
   for (const LogDamage& damage : reader->damages()) ++damages[damage.kind];
   print_line("damaged places", std::to_string(reader->damage_count()));
   for (const auto& [kind, count] : damages) print_line("damage, " + kind, std::to_string(count));
+  for (const Finding& finding : doctor.findings(reader->facts())) {
+    print(fmt::format("finding: {}\n  seen    {}\n  means   {}\n  do      {}\n", finding.kind, finding.seen,
+                      finding.meaning, finding.advice));
+  }
   const int code = report_damages(*reader, kDone);
   if (summary.usable_scans() > 0) return code;
   return fail(InputError(flags.log, 0, "holds no usable scan; expected at least one with a hit").what(), kAnswerIsNo);
@@ -48,7 +53,9 @@ void add_info_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("info", "what a log holds and what is wrong with it");
   auto flags = std::make_shared<InfoFlags>();
   command->add_option("LOG", flags->log, "a log of any readable format")->required();
-  command->add_option("--topic", flags->topic, "ROS logs: only this scan topic");
+  command->add_option("--topic", flags->options.topic, "ROS logs: only this scan topic");
+  command->add_option("--columns", flags->options.columns,
+                      "text logs without a header: names of the columns, e.g. angle_deg,range_mm");
   command->callback([flags, &body] { body = [flags] { return run_info(*flags); }; });
 }
 

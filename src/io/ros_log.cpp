@@ -88,6 +88,7 @@ void RosLogReader::add_scan(Channel& channel, Stamp log_time, Bytes data) {
   decode(channel.wire, data, scan_message_);
   Pending pending;
   pending.entry.scan = to_scan(scan_message_);
+  if (scan_message_.time_increment != 0.0F && pending.entry.scan.time_increment == 0.0) ++absurd_time_increments_;
   pending.entry.laser = channel.topic;
   pending.entry.line = ordinal_;
   pending.frame = plain_frame(scan_message_.header.frame_id);
@@ -199,6 +200,9 @@ std::map<std::string, std::string> RosLogReader::facts() const {
   container_->add_facts(out);
   for (const auto& [key, channel] : channels_) {
     out["topic " + channel.topic] = channel.type + ", " + std::to_string(channel.messages) + " messages";
+  }
+  if (absurd_time_increments_ > 0) {
+    out["time_increment absurd"] = std::to_string(absurd_time_increments_) + " scans state a turn of more than 2 s or less than none";
   }
   if (!odometry_topic_.empty()) {
     out["odometry from"] = odometry_topic_;

@@ -112,6 +112,7 @@ class RosLogReader final : public LogReader {
   std::deque<Sample> tf_samples_;
   TransformTree tree_;
   std::map<std::string, std::optional<Mounting>> mountings_;
+  std::size_t absurd_time_increments_ = 0;
   Stamp log_time_ = 0;
   long ordinal_ = 0;
   bool ended_ = false;

@@ -47,8 +47,9 @@ class LogWriter {
 /// @throws as AtomicFile.
 std::unique_ptr<LogWriter> make_log_writer(LogTarget target, const std::string& path);
 
-/// The scan with its beams moved to the nearest of even angles, as LaserScan and CARMEN can say them; where two meet the
-/// nearer one stays. The same scan where its angles are even already. `largest_move_rad` tells how far a beam was moved.
+/// The scan with its beams moved to the nearest of even angles, as LaserScan and CARMEN can say them; where two meet
+/// the nearer one stays. The same scan where its angles are even already. `largest_move_rad` tells how far a beam was
+/// moved.
 Scan even_scan(const Scan& scan, double* largest_move_rad = nullptr);
 
 }  // namespace phasescan

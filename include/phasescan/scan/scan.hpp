@@ -22,10 +22,11 @@ enum class BeamState : std::uint8_t {
 
 /// How the beams lie. Any beam count; a negative increment is a clockwise sensor.
 struct ScanGeometry {
-  double angle_min = 0.0;        ///< direction of beam 0 [rad], counter-clockwise from x forward
-  double angle_increment = 0.0;  ///< [rad] between beams, negative for clockwise; not 0 when there are two beams or more
-  double range_min = 0.0;        ///< [m], 0 = unknown
-  double range_max = 0.0;        ///< [m], 0 = unknown: taken from the data
+  double angle_min = 0.0;  ///< direction of beam 0 [rad], counter-clockwise from x forward
+  double angle_increment =
+      0.0;                 ///< [rad] between beams, negative for clockwise; not 0 when there are two beams or more
+  double range_min = 0.0;  ///< [m], 0 = unknown
+  double range_max = 0.0;  ///< [m], 0 = unknown: taken from the data
 };
 
 /// A scan. Invariants (kept by `make_scan`): states.size() == ranges.size(); ranges[i] is finite, > 0 and inside the
@@ -66,15 +67,16 @@ struct Scan {
 /// @cost   O(n)
 Scan make_scan(std::span<const float> raw, const ScanGeometry& geometry, std::span<const float> angles = {});
 
-/// Raw range of a beam as a ROS LaserScan would say it (REP 117): the range, +inf out of range, -inf too near, NaN invalid,
-/// 0 for a sensor's unexplained "no return". `make_scan` of these values gives the same scan again.
+/// Raw range of a beam as a ROS LaserScan would say it (REP 117): the range, +inf out of range, -inf too near, NaN
+/// invalid, 0 for a sensor's unexplained "no return". `make_scan` of these values gives the same scan again.
 float raw_range(const Scan& scan, std::size_t i);
 
-/// The same scan cut down to a cheaper sensor: hits beyond `range_max` become out of range and range_max becomes it (0 keeps
-/// it), and only every `beam_step`-th beam stays.
+/// The same scan cut down to a cheaper sensor: hits beyond `range_max` become out of range and range_max becomes it (0
+/// keeps it), and only every `beam_step`-th beam stays.
 Scan reduce_scan(const Scan& scan, double range_max, int beam_step);
 
-/// The same beams in the mirror: every direction changes its sign. What a laser mounted upside down sees, as an upright one.
+/// The same beams in the mirror: every direction changes its sign. What a laser mounted upside down sees, as an upright
+/// one.
 Scan mirrored_scan(const Scan& scan);
 
 }  // namespace phasescan
