@@ -14,6 +14,7 @@ namespace {
 struct InfoFlags {
   std::string log;
   LogOptions options;
+  bool no_doctor = false;
 };
 
 void print_line(const std::string& name, const std::string& value) {
@@ -28,7 +29,7 @@ int run_info(const InfoFlags& flags) {
   Progress progress("read", 0);
   while (auto entry = reader->next()) {
     summary.add(*entry);
-    doctor.add(*entry);
+    if (!flags.no_doctor) doctor.add(*entry);
     progress.step(summary.scans());
     if (InterruptGuard::interrupted()) return kAnswerIsNo;
   }
@@ -56,6 +57,7 @@ void add_info_command(CLI::App& app, CommandBody& body) {
   command->add_option("--topic", flags->options.topic, "ROS logs: only this scan topic");
   command->add_option("--columns", flags->options.columns,
                       "text logs without a header: names of the columns, e.g. angle_deg,range_mm");
+  command->add_flag("--no-doctor", flags->no_doctor, "only what the log holds: no look for what is wrong with it");
   command->callback([flags, &body] { body = [flags] { return run_info(*flags); }; });
 }
 

@@ -39,7 +39,8 @@ phasescan::Scan scan_of(Input& input) {
   const bool plain = (input.get<std::uint8_t>() & 1) != 0;
   std::vector<float> ranges(beams);
   // Plain ranges are centimetres, so that most inputs are scans a matcher has something to do with.
-  for (float& range : ranges) range = plain ? static_cast<float>(input.get<std::uint16_t>() % 1200) * 0.01F : input.get<float>();
+  for (float& range : ranges)
+    range = plain ? static_cast<float>(input.get<std::uint16_t>() % 1200) * 0.01F : input.get<float>();
   return phasescan::make_scan(ranges, geometry);
 }
 
@@ -52,7 +53,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const phasescan::Scan reference = scan_of(input);
     const phasescan::Scan scan = scan_of(input);
     const phasescan::MatchResult result = matcher.match(reference, scan);
-    if (!result.T_ref_scan.is_finite() || !result.covariance.allFinite() || !std::isfinite(result.overlap)) __builtin_trap();
+    if (!result.T_ref_scan.is_finite() || !result.covariance.allFinite() || !std::isfinite(result.overlap))
+      __builtin_trap();
   } catch (const std::invalid_argument&) {
   }
   return 0;

@@ -12,11 +12,13 @@ std::vector<Message> messages(bool ros1) {
   const std::string slash = ros1 ? "/" : "/msg/";
   const std::int64_t start = 1'600'000'000'000'000'000;
   std::vector<Message> out;
-  out.push_back({"/tf_static", "tf2_msgs" + slash + "TFMessage", start, transforms(ros1, {{start, "base_link", "laser", 0.1, 0.2, {1, 0, 0, 0}}})});
+  out.push_back({"/tf_static", "tf2_msgs" + slash + "TFMessage", start,
+                 transforms(ros1, {{start, "base_link", "laser", 0.1, 0.2, {1, 0, 0, 0}}})});
   for (int k = 0; k < 3; ++k) {
     const std::int64_t t = start + k * 100'000'000;
     out.push_back({"/odom", "nav_msgs" + slash + "Odometry", t, odometry(ros1, t, 0.1 * k, 0, 0.1)});
-    out.push_back({"/scan", "sensor_msgs" + slash + "LaserScan", t, laser_scan(ros1, t, {1.0F, 0.0F, 2.0F, INFINITY, NAN, 3.0F})});
+    out.push_back({"/scan", "sensor_msgs" + slash + "LaserScan", t,
+                   laser_scan(ros1, t, {1.0F, 0.0F, 2.0F, INFINITY, NAN, 3.0F})});
   }
   return out;
 }
@@ -65,23 +67,35 @@ void write_texts(const std::string& root) {
         "RAWLASER1 0 -1.57 3.14 0.785 8.1 0.01 0 5 1 2 3 8.1 5 2 7 8 10.6 host 0.6\n"
         "ROBOTLASER1 0 -1.57 3.14 0.785 8.1 0.01 0 5 1 2 3 4 5 0 1 2 0.5 1 2 0.4 0 0 0.5 0.5 0 10.7 host 0.7\n"
         "ROBOTLASER1 0 -1.57 3.14 0.785 8.1 0.01 0 3 1 2 3 1 2 0.5 1 2 0.4 0 0 0.5 0.5 10 host 500000\n");
-  const std::string scan = R"({"angle_min": -1, "angle_increment": 0.5, "range_min": 0.1, "range_max": 6, "ranges": [1, 0, null, 7.5, 2], "stamp": 1.25)";
+  const std::string scan =
+      R"({"angle_min": -1, "angle_increment": 0.5, "range_min": 0.1, "range_max": 6, "ranges": [1, 0, null, 7.5, 2], "stamp": 1.25)";
   write(root + "/scan_log", "two", scan + "}\n" + scan + R"(, "odometry": {"x": 1, "y": 2, "theta": 0.5}})" + "\n");
-  write(root + "/scan_log", "more", scan + R"(, "time_increment": 0.001, "intensities": [1,2,3,4,5], "angles": [0,1,2,3,4]})" + "\n");
+  write(root + "/scan_log", "more",
+        scan + R"(, "time_increment": 0.001, "intensities": [1,2,3,4,5], "angles": [0,1,2,3,4]})" + "\n");
   write(root + "/lowcost", "ticks", "1 2 3" + repeat(" 1500", 360, "") + "\n5 6 180" + repeat(" 0", 360, "") + "\n");
   write(root + "/lowcost", "breezy", repeat("1", 24, " ") + repeat(" 9", 682, "") + " 7\n");
-  write(root + "/lowcost", "polar", "1.5, 2.5, 0.1, " + repeat("1.25", 70, ", ") + "\n0.5, 0, 0.1, " + repeat("0.0", 64, ", ") + "\n");
-  write(root + "/csv", "echo", "%time,field.header.stamp,field.angle_min,field.angle_increment,field.range_max,field.ranges0,field.ranges1\n"
-                               "1600000000000000123,1600000000000000123,-1.0,0.5,10,1.0,inf\n1600000000000000200,1600000000000000200,-1.0,0.5,10,nan,2\n");
-  write(root + "/csv", "beams", "#Angule\tDistance\tQuality\n0.5 1000 47\n90.5 2000 47\n180.5 0 0\n0.4 1000 47\n90.4 900 47\n");
-  write(root + "/csv", "numbered", "scan;time_ms;angle_rad;range_m;odom_x;odom_y;odom_theta\n1;100;0.0;1;0.5;0.2;0.1\n1;100;0.1;2;0.5;0.2;0.1\n2;200;0;3;1;0;0\n");
+  write(root + "/lowcost", "polar",
+        "1.5, 2.5, 0.1, " + repeat("1.25", 70, ", ") + "\n0.5, 0, 0.1, " + repeat("0.0", 64, ", ") + "\n");
+  write(root + "/csv", "echo",
+        "%time,field.header.stamp,field.angle_min,field.angle_increment,field.range_max,field.ranges0,field.ranges1\n"
+        "1600000000000000123,1600000000000000123,-1.0,0.5,10,1.0,inf\n1600000000000000200,1600000000000000200,-1.0,0.5,"
+        "10,nan,2\n");
+  write(root + "/csv", "beams",
+        "#Angule\tDistance\tQuality\n0.5 1000 47\n90.5 2000 47\n180.5 0 0\n0.4 1000 47\n90.4 900 47\n");
+  write(root + "/csv", "numbered",
+        "scan;time_ms;angle_rad;range_m;odom_x;odom_y;odom_theta\n1;100;0.0;1;0.5;0.2;0.1\n1;100;0.1;2;0.5;0.2;0.1\n2;"
+        "200;0;3;1;0;0\n");
   write(root + "/columns", "beams", "angle_deg_cw,range_mm,quality\n0.5 1000 47\n90.5 2000 47\n0.4 1000 47\n");
   write(root + "/columns", "ranges", "stamp,angle_min_deg,ranges\n1.5,-90,1,2,3\n1.6,-90,1,,3\n");
-  write(root + "/metadata", "plain", "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n  relative_file_paths:\n    - x_0.mcap\n");
+  write(root + "/metadata", "plain",
+        "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n  relative_file_paths:\n    - "
+        "x_0.mcap\n");
   write(root + "/options", "match", "match:\n  method: fft-mh\n  min_confidence: 0.9\n");
   write(root + "/text", "relations", "1.5 2.5 0.1 0.2 0 0 0 0.3\n2.5 3.5 0.1 0.2 0 0 0 -0.3\n");
   write(root + "/text", "tum", "1.000000 1 2 0 0 0 0 1\n# comment\n2.5 1 2 0 0 0 0.7071 0.7071\n");
-  write(root + "/text", "pair", "{\"id\": \"1\", \"reference\": " + scan + "}, \"scan\": " + scan + "}, \"truth\": {\"x\": 0, \"y\": 0, \"theta\": 0}}\n");
+  write(root + "/text", "pair",
+        "{\"id\": \"1\", \"reference\": " + scan + "}, \"scan\": " + scan +
+            "}, \"truth\": {\"x\": 0, \"y\": 0, \"theta\": 0}}\n");
   write(root + "/crashes", "empty-line", "\n");
 }
 
@@ -107,7 +121,8 @@ void write_match(const std::string& root) {
     out += u16(beams) + '\1';
     for (std::size_t i = 0; i < beams; ++i) {
       const double angle = (full ? -M_PI : -1.5) + static_cast<double>(i) * (full ? 0.0174533 : 0.03) + turn;
-      const double range = std::min(3.0 / std::max(1e-3, std::abs(std::cos(angle))), 2.0 / std::max(1e-3, std::abs(std::sin(angle))));
+      const double range =
+          std::min(3.0 / std::max(1e-3, std::abs(std::cos(angle))), 2.0 / std::max(1e-3, std::abs(std::sin(angle))));
       out += u16(static_cast<std::size_t>(100 * std::min(range, 11.0)));
     }
     return out;

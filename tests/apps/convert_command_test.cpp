@@ -1,4 +1,5 @@
-// convert and info from outside: every target reads back as the same scans, damage is exit 4, files appear whole or not at all.
+// convert and info from outside: every target reads back as the same scans, damage is exit 4, files appear whole or not
+// at all.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -56,7 +57,8 @@ TEST(ConvertCommand, EveryLogFormatReadsBackAsTheSameScans) {
   }
   const auto tum = run_command({"convert", folder / "in", folder / "out.tum"});
   EXPECT_EQ(tum.code, 0);
-  EXPECT_THAT(test::slurp(folder / "out.tum"), testing::StartsWith("1600000000.000000000 0 0.5 0 0 0 0.0998334"));
+  EXPECT_THAT(test::slurp(folder / "out.tum"),
+              testing::StartsWith("1600000000.000000000 0.000000 0.500000 0 0 0 0.0998334"));
 }
 
 TEST(ConvertCommand, ALaserUpsideDownIsWrittenAsWhatItSees) {
