@@ -53,7 +53,7 @@ class McapLogWriter final : public LogWriter {
         laser.topic += std::isalnum(static_cast<unsigned char>(c)) != 0 ? static_cast<char>(std::tolower(static_cast<unsigned char>(c))) : '_';
       }
     }
-    if (!lasers_.empty()) laser.frame += "_" + std::to_string(lasers_.size() + 1);
+    if (!lasers_.empty()) laser.frame.append("_").append(std::to_string(lasers_.size() + 1));
     file_.static_transform(entry.scan.stamp, "base_link", laser.frame, entry.T_base_laser, entry.flipped);
     return lasers_.emplace(entry.laser, std::move(laser)).first->second;
   }
