@@ -9,6 +9,7 @@
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/file.hpp"
 #include "phasescan/io/odometry_source.hpp"
+#include "slam_mcap.hpp"
 #include "slam_output.hpp"
 
 namespace phasescan::app {
@@ -16,7 +17,7 @@ namespace {
 
 struct SlamFlags {
   CommonFlags common;
-  std::string log, out, topic, odometry = "auto";
+  std::string log, out, topic, odometry = "auto", mcap;
   double range_max = 0.0;
   int beam_step = 1;
 };
@@ -105,6 +106,7 @@ int run_slam(const SlamFlags& flags) {
   for (const LogDamage& damage : reader->damages()) ++run.damages[damage.kind];
   if (reader->damage_count() > reader->damages().size()) run.damages["further damage"] = reader->damage_count() - reader->damages().size();
   write_slam_output(flags.out, slam, run);
+  if (!flags.mcap.empty()) write_slam_mcap(flags.mcap, flags.log, log_options, slam);
   for (const auto& [kind, oddity] : check.oddities()) {
     warn(oddity.first + (oddity.count > 1 ? " (" + std::to_string(oddity.count) + " times: " + kind + ")" : ""));
   }
@@ -126,6 +128,7 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
       ->capture_default_str();
   command->add_option("--range-max", flags->range_max, "cut the scans down to this range [m]")->check(CLI::PositiveNumber)->type_name("M");
   command->add_option("--beam-step", flags->beam_step, "keep every K-th beam")->check(CLI::Range(1, 10000))->type_name("K");
+  command->add_option("--mcap", flags->mcap, "write scans, frames, path and map for Foxglove or Lichtblick");
   command->add_option("--topic", flags->topic, "ROS: only this scan topic");
   add_config_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);

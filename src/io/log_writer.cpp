@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <map>
 
 #include "io/log_writers.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
 #include "phasescan/io/mcap_writer.hpp"
 #include "phasescan/io/scan_log.hpp"
-#include "phasescan/io/tum.hpp"
 
 namespace phasescan {
 namespace {
@@ -22,8 +19,9 @@ class McapLogWriter final : public LogWriter {
   explicit McapLogWriter(const std::string& path) : file_(path) {}
 
   void add(const LogEntry& entry) override {
-    const Laser& laser = laser_of(entry);
     const Stamp stamp = entry.scan.stamp;
+    const auto [laser, is_new] = names_.of(entry.laser);
+    if (is_new) file_.static_transform(stamp, "base_link", laser.frame, entry.T_base_laser, entry.flipped);
     if (stamp < 0) add_loss("stamps before 1970 are logged at 0");
     if (entry.odometry) {
       file_.odometry("/odom", stamp, "odom", "base_link", *entry.odometry);
@@ -38,28 +36,8 @@ class McapLogWriter final : public LogWriter {
   void finish() override { file_.close(); }
 
  private:
-  struct Laser {
-    std::string topic, frame;
-  };
-
-  /// Topic and frame of a laser; the first one not named like a topic is /scan in the frame laser.
-  const Laser& laser_of(const LogEntry& entry) {
-    const auto found = lasers_.find(entry.laser);
-    if (found != lasers_.end()) return found->second;
-    Laser laser{entry.laser, "laser"};
-    if (!entry.laser.starts_with('/')) {
-      laser.topic = lasers_.empty() ? "/scan" : "/";
-      for (const char c : lasers_.empty() ? std::string() : entry.laser) {
-        laser.topic += std::isalnum(static_cast<unsigned char>(c)) != 0 ? static_cast<char>(std::tolower(static_cast<unsigned char>(c))) : '_';
-      }
-    }
-    if (!lasers_.empty()) laser.frame.append("_").append(std::to_string(lasers_.size() + 1));
-    file_.static_transform(entry.scan.stamp, "base_link", laser.frame, entry.T_base_laser, entry.flipped);
-    return lasers_.emplace(entry.laser, std::move(laser)).first->second;
-  }
-
   McapWriter file_;
-  std::map<std::string, Laser> lasers_;
+  LaserNames names_;
 };
 
 class JsonLogWriter final : public LogWriter {
@@ -81,40 +59,20 @@ class JsonLogWriter final : public LogWriter {
   ScanLogWriter file_;
 };
 
-/// The poses a log has: odometry, or where there is none its own estimate.
-class TumWriter final : public LogWriter {
- public:
-  explicit TumWriter(std::string path) : path_(std::move(path)) {}
-  void add(const LogEntry& entry) override {
-    const std::optional<Pose2>& pose = entry.odometry ? entry.odometry : entry.corrected;
-    if (pose) {
-      poses_.push_back({entry.scan.stamp, *pose});
-    } else {
-      add_loss("scans without a pose are left out");
-    }
-  }
-  void finish() override {
-    if (poses_.empty()) throw InputError(path_, 0, "the log has no poses; expected odometry (a trajectory from scans alone is `phasescan slam`)");
-    write_file(path_, format_tum(poses_));
-  }
-
- private:
-  std::string path_;
-  std::vector<StampedPose> poses_;
-};
-
 struct Ending {
   std::string_view ending;
   LogTarget target;
 };
-constexpr Ending kEndings[] = {{".mcap", LogTarget::kMcap},        {".log", LogTarget::kCarmen},      {".log.gz", LogTarget::kCarmen},
-                               {".carmen", LogTarget::kCarmen},    {".clf", LogTarget::kCarmen},      {".jsonl", LogTarget::kScanLog},
-                               {".jsonl.gz", LogTarget::kScanLog}, {".tum", LogTarget::kTum}};
+constexpr Ending kEndings[] = {
+    {".mcap", LogTarget::kMcap},        {".log", LogTarget::kCarmen}, {".log.gz", LogTarget::kCarmen},
+    {".carmen", LogTarget::kCarmen},    {".clf", LogTarget::kCarmen}, {".jsonl", LogTarget::kScanLog},
+    {".jsonl.gz", LogTarget::kScanLog}, {".tum", LogTarget::kTum},    {".g2o", LogTarget::kG2o},
+    {".pgm", LogTarget::kMap},          {".yaml", LogTarget::kMap}};
 
 }  // namespace
 
 const std::vector<std::string>& log_target_names() {
-  static const std::vector<std::string> kNames{"mcap", "carmen", "jsonl", "tum"};
+  static const std::vector<std::string> kNames{"mcap", "carmen", "jsonl", "tum", "g2o", "map"};
   return kNames;
 }
 
@@ -128,16 +86,41 @@ LogTarget log_target_for(const std::string& path) {
 }
 
 void LogWriter::add_loss(const std::string& text) {
-  if (losses_.size() < kMostLosses && std::find(losses_.begin(), losses_.end(), text) == losses_.end()) losses_.push_back(text);
+  if (losses_.size() < kMostLosses && std::find(losses_.begin(), losses_.end(), text) == losses_.end())
+    losses_.push_back(text);
 }
 
 std::unique_ptr<LogWriter> make_log_writer(LogTarget target, const std::string& path) {
   switch (target) {
-    case LogTarget::kMcap: return std::make_unique<McapLogWriter>(path);
-    case LogTarget::kCarmen: return make_carmen_writer(path);
-    case LogTarget::kScanLog: return std::make_unique<JsonLogWriter>(path);
-    default: return std::make_unique<TumWriter>(path);
+    case LogTarget::kMcap:
+      return std::make_unique<McapLogWriter>(path);
+    case LogTarget::kCarmen:
+      return make_carmen_writer(path);
+    case LogTarget::kScanLog:
+      return std::make_unique<JsonLogWriter>(path);
+    case LogTarget::kTum:
+      return make_tum_writer(path);
+    case LogTarget::kG2o:
+      return make_g2o_writer(path);
+    case LogTarget::kMap:
+      break;
   }
+  return make_map_writer(path);
+}
+
+std::pair<const LaserNames::Laser&, bool> LaserNames::of(const std::string& name) {
+  const auto found = lasers_.find(name);
+  if (found != lasers_.end()) return {found->second, false};
+  Laser laser{name, "laser"};
+  if (!name.starts_with('/')) {
+    laser.topic = lasers_.empty() ? "/scan" : "/";
+    for (const char c : lasers_.empty() ? std::string() : name) {
+      const auto byte = static_cast<unsigned char>(c);
+      laser.topic += std::isalnum(byte) != 0 ? static_cast<char>(std::tolower(byte)) : '_';
+    }
+  }
+  if (!lasers_.empty()) laser.frame.append("_").append(std::to_string(lasers_.size() + 1));
+  return {lasers_.emplace(name, std::move(laser)).first->second, true};
 }
 
 Scan even_scan(const Scan& scan, double* largest_move_rad) {

@@ -8,7 +8,9 @@
 
 namespace phasescan {
 
-std::unique_ptr<LogWriter> make_mcap_log_writer(const std::string& path);
 std::unique_ptr<LogWriter> make_carmen_writer(const std::string& path);
+std::unique_ptr<LogWriter> make_tum_writer(const std::string& path);
+std::unique_ptr<LogWriter> make_g2o_writer(const std::string& path);
+std::unique_ptr<LogWriter> make_map_writer(const std::string& path);
 
 }  // namespace phasescan

@@ -1,9 +1,11 @@
 /// Logs in the formats of other tools: what `phasescan convert` writes.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "phasescan/io/log.hpp"
@@ -46,6 +48,19 @@ class LogWriter {
 
 /// @throws as AtomicFile.
 std::unique_ptr<LogWriter> make_log_writer(LogTarget target, const std::string& path);
+
+/// Topics and frames for lasers that are not named like topics: the first is /scan in the frame laser.
+class LaserNames {
+ public:
+  struct Laser {
+    std::string topic, frame;
+  };
+  /// The names of a log's laser, and whether it is asked for the first time.
+  std::pair<const Laser&, bool> of(const std::string& laser);
+
+ private:
+  std::map<std::string, Laser> lasers_;
+};
 
 /// The scan with its beams moved to the nearest of even angles, as LaserScan and CARMEN can say them; where two meet
 /// the nearer one stays. The same scan where its angles are even already. `largest_move_rad` tells how far a beam was

@@ -1,0 +1,16 @@
+// The MCAP that `phasescan slam --mcap` leaves: scans, frames, path and map for Foxglove or Lichtblick.
+#pragma once
+
+#include <string>
+
+#include "phasescan/io/log.hpp"
+#include "phasescan/slam/slam.hpp"
+
+namespace phasescan::app {
+
+/// Reads the log once more and writes every scan that has a pose, /tf with map -> odom -> base_link, /tf_static with
+/// the lasers, and at the first stamp, to be seen from the start, /map (OccupancyGrid) and /path.
+/// @throws SystemError, InputError
+void write_slam_mcap(const std::string& path, const std::string& log, const LogOptions& options, const Slam& slam);
+
+}  // namespace phasescan::app
