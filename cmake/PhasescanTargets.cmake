@@ -27,21 +27,7 @@ function(phasescan_library name)
   endforeach()
   add_library(${name} ${sources})
   phasescan_configure(${name})
-  phasescan_precompile(${name} <Eigen/Core> <Eigen/Eigenvalues> <algorithm> <functional> <map> <memory> <optional> <string> <vector>)
   target_include_directories(${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
     PRIVATE ${PROJECT_SOURCE_DIR}/src)
-endfunction()
-
-# phasescan_precompile(<target> <header>...): heavy headers once a target instead of once a file. Each file still includes what it
-# uses; the tidy preset builds without.
-option(PHASESCAN_PCH "Precompile heavy headers (faster builds)" ${PROJECT_IS_TOP_LEVEL})
-function(phasescan_precompile target)
-  if(PHASESCAN_PCH)
-    target_precompile_headers(${target} PRIVATE ${ARGN})
-    # With ccache, gcc needs its header dependencies spelled out (ccache manual, "Precompiled headers").
-    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-      target_compile_options(${target} PRIVATE -fpch-preprocess)
-    endif()
-  endif()
 endfunction()

@@ -1,1 +1,0 @@
-// Carries the precompiled header of the tests (tests/CMakeLists.txt); has no tests of its own.
