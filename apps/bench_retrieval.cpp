@@ -1,4 +1,5 @@
-// phasescan bench retrieval: how often the index finds the place again, how fast, and what the matcher makes of its answers.
+// phasescan bench retrieval: how often the index finds the place again, how fast, and what the matcher makes of its
+// answers.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -72,7 +73,8 @@ int run_retrieval(const RetrievalFlags& flags) {
       places.push_back({place.building, place.T_world_place});
       if (k % stride != 0) continue;
       scan_to_points(place.query, points);
-      queries.push_back({describer.describe(points.x, points.y), k, place.query, {place.building, place.T_world_query}});
+      queries.push_back(
+          {describer.describe(points.x, points.y), k, place.query, {place.building, place.T_world_query}});
     }
     progress.step(index.size());
   }
@@ -103,17 +105,22 @@ int run_retrieval(const RetrievalFlags& flags) {
       // Places of one building overlap: an answer is right where it says truly how the query stands to the place.
       const Whereabouts& place = places[hit.place];
       const Pose2 off = queries[q].at.T_world_sensor.inverse() * place.T_world_sensor * match.T_ref_scan;
-      right = place.building == queries[q].at.building && std::hypot(off.x, off.y) < 0.1 && std::abs(off.theta) < deg_to_rad(3.0);
+      right = place.building == queries[q].at.building && std::hypot(off.x, off.y) < 0.1 &&
+              std::abs(off.theta) < deg_to_rad(3.0);
     }
     found += best > 0.0 && right;
     wrong += best > 0.0 && !right;
   }
   const auto n = static_cast<double>(queries.size());
-  std::string line = fmt::format("{{\"places\": {}, \"queries\": {}, \"recall_at_1\": {:.4f}, \"recall_at_10\": {:.4f}, \"verified\": {}, \"verified_found\": {}, \"verified_wrong\": {}",
-                                 index.size(), queries.size(), static_cast<double>(first) / n, static_cast<double>(among_ten) / n, asked, found, wrong);
+  std::string line = fmt::format(
+      "{{\"places\": {}, \"queries\": {}, \"recall_at_1\": {:.4f}, \"recall_at_10\": {:.4f}, \"verified\": {}, \"verified_found\": {}, \"verified_wrong\": {}",
+      index.size(), queries.size(), static_cast<double>(first) / n, static_cast<double>(among_ten) / n, asked, found,
+      wrong);
   if (!flags.common.no_times) {
-    std::nth_element(query_us.begin(), query_us.begin() + static_cast<std::ptrdiff_t>(query_us.size() / 2), query_us.end());
-    line += fmt::format(", \"query_us_p50\": {:.1f}, \"describe_us\": {:.1f}", query_us[query_us.size() / 2], 1e6 * describe_s / static_cast<double>(index.size()));
+    std::nth_element(query_us.begin(), query_us.begin() + static_cast<std::ptrdiff_t>(query_us.size() / 2),
+                     query_us.end());
+    line += fmt::format(", \"query_us_p50\": {:.1f}, \"describe_us\": {:.1f}", query_us[query_us.size() / 2],
+                        1e6 * describe_s / static_cast<double>(index.size()));
   }
   print(line + "}\n");
   return kDone;
@@ -122,11 +129,21 @@ int run_retrieval(const RetrievalFlags& flags) {
 void add_retrieval_command(CLI::App& app, CommandBody& body) {
   auto* bench = app.get_subcommand("bench");
   bench->require_subcommand(0, 1);
-  auto* command = bench->add_subcommand("retrieval", "place search among simulated places: recall, time, and the matcher's verdict on the answers");
+  auto* command = bench->add_subcommand(
+      "retrieval", "place search among simulated places: recall, time, and the matcher's verdict on the answers");
   auto flags = std::make_shared<RetrievalFlags>();
-  command->add_option("--places", flags->places, "places in the index")->type_name("N")->check(CLI::Range(1, 10'000'000))->capture_default_str();
-  command->add_option("--queries", flags->queries, "about so many of the places are asked for")->type_name("N")->check(CLI::Range(1, 10'000'000))->capture_default_str();
-  command->add_option("--verify", flags->verify, "queries whose ten answers the matcher checks; 0: none")->type_name("N")->check(CLI::Range(0, 10'000'000))->capture_default_str();
+  command->add_option("--places", flags->places, "places in the index")
+      ->type_name("N")
+      ->check(CLI::Range(1, 10'000'000))
+      ->capture_default_str();
+  command->add_option("--queries", flags->queries, "about so many of the places are asked for")
+      ->type_name("N")
+      ->check(CLI::Range(1, 10'000'000))
+      ->capture_default_str();
+  command->add_option("--verify", flags->verify, "queries whose ten answers the matcher checks; 0: none")
+      ->type_name("N")
+      ->check(CLI::Range(0, 10'000'000))
+      ->capture_default_str();
   add_seed_flag(*command, flags->common);
   add_config_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);

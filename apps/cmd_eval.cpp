@@ -20,13 +20,14 @@ struct EvalFlags {
 };
 
 std::string stats_json(const ErrorStats& s, double scale = 1.0) {
-  return fmt::format(R"({{"n": {}, "rmse": {:.6f}, "mean": {:.6f}, "median": {:.6f}, "std": {:.6f}, "min": {:.6f}, "max": {:.6f}}})", s.n,
-                     scale * s.rmse, scale * s.mean, scale * s.median, scale * s.std, scale * s.min, scale * s.max);
+  return fmt::format(
+      R"({{"n": {}, "rmse": {:.6f}, "mean": {:.6f}, "median": {:.6f}, "std": {:.6f}, "min": {:.6f}, "max": {:.6f}}})",
+      s.n, scale * s.rmse, scale * s.mean, scale * s.median, scale * s.std, scale * s.min, scale * s.max);
 }
 
 std::string stats_line(const char* name, const char* unit, const ErrorStats& s, double scale = 1.0) {
-  return fmt::format("{:<14} rmse {:.4f} mean {:.4f} median {:.4f} std {:.4f} max {:.4f} {} (n = {})\n", name, scale * s.rmse, scale * s.mean,
-                     scale * s.median, scale * s.std, scale * s.max, unit, s.n);
+  return fmt::format("{:<14} rmse {:.4f} mean {:.4f} median {:.4f} std {:.4f} max {:.4f} {} (n = {})\n", name,
+                     scale * s.rmse, scale * s.mean, scale * s.median, scale * s.std, scale * s.max, unit, s.n);
 }
 
 /// Mean and standard deviation of the squares, as [Kuemmerle09] reports them.
@@ -41,7 +42,9 @@ int eval_reference(const EvalFlags& flags, const std::vector<StampedPose>& traje
   const std::vector<StampedPose> reference = read_tum(flags.reference);
   const AssociatedPoses pairs = associate(trajectory, reference, flags.max_gap_s);
   if (pairs.estimate.empty()) {
-    throw InputError(flags.reference, 0, fmt::format("no pose within {} s of one of the trajectory; expected the same clock in both", flags.max_gap_s));
+    throw InputError(
+        flags.reference, 0,
+        fmt::format("no pose within {} s of one of the trajectory; expected the same clock in both", flags.max_gap_s));
   }
   const StepUnit unit = flags.delta_unit == "m" ? StepUnit::kMetres : StepUnit::kFrames;
   const ErrorStats ate = error_stats(absolute_trajectory_errors(pairs, !flags.no_align));
@@ -49,13 +52,16 @@ int eval_reference(const EvalFlags& flags, const std::vector<StampedPose>& traje
   const ErrorStats translation = error_stats(rpe.translation), rotation = error_stats(rpe.rotation);
   const double deg = rad_to_deg(1.0);
   if (flags.json) {
-    print(fmt::format("{{\"poses\": {}, \"reference_poses\": {}, \"pairs\": {}, \"aligned\": {}, \"ate_m\": {}, \"rpe_delta\": {}, \"rpe_delta_unit\": \"{}\", "
-                      "\"rpe_m\": {}, \"rpe_deg\": {}}}\n",
-                      trajectory.size(), reference.size(), pairs.estimate.size(), !flags.no_align, stats_json(ate), flags.delta, flags.delta_unit,
-                      stats_json(translation), stats_json(rotation, deg)));
+    print(fmt::format(
+        "{{\"poses\": {}, \"reference_poses\": {}, \"pairs\": {}, \"aligned\": {}, \"ate_m\": {}, \"rpe_delta\": {}, \"rpe_delta_unit\": \"{}\", "
+        "\"rpe_m\": {}, \"rpe_deg\": {}}}\n",
+        trajectory.size(), reference.size(), pairs.estimate.size(), !flags.no_align, stats_json(ate), flags.delta,
+        flags.delta_unit, stats_json(translation), stats_json(rotation, deg)));
   } else {
-    print(fmt::format("{} of {} poses paired with {} of the reference\n", pairs.estimate.size(), trajectory.size(), reference.size()) +
-          stats_line("ATE", "m", ate) + stats_line("RPE", "m", translation) + stats_line("RPE rotation", "deg", rotation, deg));
+    print(fmt::format("{} of {} poses paired with {} of the reference\n", pairs.estimate.size(), trajectory.size(),
+                      reference.size()) +
+          stats_line("ATE", "m", ate) + stats_line("RPE", "m", translation) +
+          stats_line("RPE rotation", "deg", rotation, deg));
   }
   return kDone;
 }
@@ -67,7 +73,8 @@ int eval_relations(const EvalFlags& flags, const std::vector<StampedPose>& traje
     T_base_laser = {v[0], v[1], wrap_angle(deg_to_rad(v[2]))};
   }
   const std::vector<Relation> relations = read_relations(flags.relations);
-  if (relations.empty()) throw InputError(flags.relations, 0, "not one relation; expected lines of time_a time_b x y z roll pitch yaw");
+  if (relations.empty())
+    throw InputError(flags.relations, 0, "not one relation; expected lines of time_a time_b x y z roll pitch yaw");
   const RelationErrors errors = relation_errors(trajectory, relations, T_base_laser, flags.max_gap_s);
   const double deg = rad_to_deg(1.0);
   const ErrorStats t = error_stats(errors.translation), r = error_stats(errors.rotation);
@@ -75,15 +82,21 @@ int eval_relations(const EvalFlags& flags, const std::vector<StampedPose>& traje
   std::size_t above = 0;
   for (const double e : errors.translation) above += e > 0.2;
   if (flags.json) {
-    print(fmt::format("{{\"relations\": {}, \"answered\": {}, \"unanswered\": {}, \"translation_m\": {}, \"rotation_deg\": {}, "
-                      "\"translation_squared_m2\": {}, \"rotation_squared_deg2\": {}, \"above_0.2_m\": {}}}\n",
-                      errors.relations, errors.translation.size(), errors.unanswered, stats_json(t), stats_json(r, deg), stats_json(t2), stats_json(r2), above));
+    print(fmt::format(
+        "{{\"relations\": {}, \"answered\": {}, \"unanswered\": {}, \"translation_m\": {}, \"rotation_deg\": {}, "
+        "\"translation_squared_m2\": {}, \"rotation_squared_deg2\": {}, \"above_0.2_m\": {}}}\n",
+        errors.relations, errors.translation.size(), errors.unanswered, stats_json(t), stats_json(r, deg),
+        stats_json(t2), stats_json(r2), above));
   } else {
-    print(fmt::format("{} relations, {} answered, {} unanswered\n", errors.relations, errors.translation.size(), errors.unanswered) +
-          fmt::format("translation    mean {:.4f} +- {:.4f} m, squared {:.6f} +- {:.6f} m2, median {:.4f}, max {:.3f}, {} above 0.2 m\n", t.mean, t.std, t2.mean,
-                      t2.std, t.median, t.max, above) +
-          fmt::format("rotation       mean {:.3f} +- {:.3f} deg, squared {:.4f} +- {:.4f} deg2, median {:.3f}, max {:.2f}\n", deg * r.mean, deg * r.std, r2.mean,
-                      r2.std, deg * r.median, deg * r.max));
+    print(
+        fmt::format("{} relations, {} answered, {} unanswered\n", errors.relations, errors.translation.size(),
+                    errors.unanswered) +
+        fmt::format(
+            "translation    mean {:.4f} +- {:.4f} m, squared {:.6f} +- {:.6f} m2, median {:.4f}, max {:.3f}, {} above 0.2 m\n",
+            t.mean, t.std, t2.mean, t2.std, t.median, t.max, above) +
+        fmt::format(
+            "rotation       mean {:.3f} +- {:.3f} deg, squared {:.4f} +- {:.4f} deg2, median {:.3f}, max {:.2f}\n",
+            deg * r.mean, deg * r.std, r2.mean, r2.std, deg * r.median, deg * r.max));
   }
   return errors.translation.empty() ? kAnswerIsNo : kDone;
 }
@@ -92,21 +105,34 @@ void add_eval_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("eval", "how good a trajectory is: ATE and RPE, or the relations metric");
   auto flags = std::make_shared<EvalFlags>();
   command->add_option("--trajectory", flags->trajectory, "the trajectory, TUM format")->required()->type_name("T.tum");
-  auto* reference = command->add_option("--reference", flags->reference, "reference trajectory, TUM format: ATE and RPE")->type_name("R.tum");
-  auto* relations = command->add_option("--relations", flags->relations, "verified relative poses: the relations metric")->type_name("F.relations");
+  auto* reference =
+      command->add_option("--reference", flags->reference, "reference trajectory, TUM format: ATE and RPE")
+          ->type_name("R.tum");
+  auto* relations =
+      command->add_option("--relations", flags->relations, "verified relative poses: the relations metric")
+          ->type_name("F.relations");
   reference->excludes(relations);
-  command->add_option("--laser", flags->laser, "--relations: where the laser sits on the base, if the trajectory is the base's and the relations are the laser's")
+  command
+      ->add_option(
+          "--laser", flags->laser,
+          "--relations: where the laser sits on the base, if the trajectory is the base's and the relations are the laser's")
       ->type_name("X,Y,DEG");
-  command->add_option("--max-gap", flags->max_gap_s, "stamps farther apart do not belong together [s]")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_option("--max-gap", flags->max_gap_s, "stamps farther apart do not belong together [s]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_option("--delta", flags->delta, "step of the RPE")->check(CLI::PositiveNumber)->capture_default_str();
-  command->add_option("--delta-unit", flags->delta_unit, "f: frames, m: metres")->check(CLI::IsMember({"f", "m"}))->capture_default_str();
+  command->add_option("--delta-unit", flags->delta_unit, "f: frames, m: metres")
+      ->check(CLI::IsMember({"f", "m"}))
+      ->capture_default_str();
   command->add_flag("--no-align", flags->no_align, "--reference: compare as they are");
   command->add_flag("--json", flags->json, "one JSON object");
   command->callback([flags, &body] {
     body = [flags] {
-      if (flags->reference.empty() && flags->relations.empty()) throw std::invalid_argument("eval: neither --reference nor --relations is given; expected one of them");
+      if (flags->reference.empty() && flags->relations.empty())
+        throw std::invalid_argument("eval: neither --reference nor --relations is given; expected one of them");
       const std::vector<StampedPose> trajectory = read_tum(flags->trajectory);
-      if (trajectory.empty()) throw InputError(flags->trajectory, 0, "not one pose; expected lines of stamp x y z qx qy qz qw");
+      if (trajectory.empty())
+        throw InputError(flags->trajectory, 0, "not one pose; expected lines of stamp x y z qx qy qz qw");
       return flags->relations.empty() ? eval_reference(*flags, trajectory) : eval_relations(*flags, trajectory);
     };
   });

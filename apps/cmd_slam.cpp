@@ -22,7 +22,9 @@ struct SlamFlags {
   int beam_step = 1;
 };
 
-double wall_seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double wall_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 /// Scans done and scans/s, on a terminal.
 class ScanProgress {
@@ -32,7 +34,8 @@ class ScanProgress {
   }
   void step(std::size_t scans) {
     if (!shown_ || scans % 100 != 0) return;
-    std::fprintf(stderr, "\rslam %zu scans, %.0f scans/s\033[K", scans, static_cast<double>(scans) / std::max(1e-3, wall_seconds() - start_));
+    std::fprintf(stderr, "\rslam %zu scans, %.0f scans/s\033[K", scans,
+                 static_cast<double>(scans) / std::max(1e-3, wall_seconds() - start_));
     written_ = true;
   }
 
@@ -50,8 +53,10 @@ void feed(LogReader& reader, Slam& slam, InputCheck& check, const SlamFlags& fla
     if (!entry) return;
     const LaserMount mount{entry->T_base_laser, entry->flipped};
     if (slam.records().empty()) run.mount = mount;
-    if (flags.range_max > 0.0 || flags.beam_step > 1) entry->scan = reduce_scan(entry->scan, flags.range_max, flags.beam_step);
-    const bool fresh = check.add(entry->scan, entry->laser, entry->odometry, flags.log + ":" + std::to_string(entry->line));
+    if (flags.range_max > 0.0 || flags.beam_step > 1)
+      entry->scan = reduce_scan(entry->scan, flags.range_max, flags.beam_step);
+    const bool fresh =
+        check.add(entry->scan, entry->laser, entry->odometry, flags.log + ":" + std::to_string(entry->line));
     const double cpu = thread_cpu_seconds(), wall = wall_seconds();
     float overlap = 0.0F;
     if (fresh) {
@@ -104,7 +109,8 @@ int run_slam(const SlamFlags& flags) {
   run.total_cpu_s = process_cpu_seconds() - cpu;
   run.total_wall_s = wall_seconds() - wall;
   for (const LogDamage& damage : reader->damages()) ++run.damages[damage.kind];
-  if (reader->damage_count() > reader->damages().size()) run.damages["further damage"] = reader->damage_count() - reader->damages().size();
+  if (reader->damage_count() > reader->damages().size())
+    run.damages["further damage"] = reader->damage_count() - reader->damages().size();
   write_slam_output(flags.out, slam, run);
   if (!flags.mcap.empty()) write_slam_mcap(flags.mcap, flags.log, log_options, slam);
   for (const auto& [kind, oddity] : check.oddities()) {
@@ -126,8 +132,12 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
   command->add_option("--odometry", flags->odometry, "auto: wheel odometry where the log has any; none: scans alone")
       ->check(CLI::IsMember({"auto", "none"}))
       ->capture_default_str();
-  command->add_option("--range-max", flags->range_max, "cut the scans down to this range [m]")->check(CLI::PositiveNumber)->type_name("M");
-  command->add_option("--beam-step", flags->beam_step, "keep every K-th beam")->check(CLI::Range(1, 10000))->type_name("K");
+  command->add_option("--range-max", flags->range_max, "cut the scans down to this range [m]")
+      ->check(CLI::PositiveNumber)
+      ->type_name("M");
+  command->add_option("--beam-step", flags->beam_step, "keep every K-th beam")
+      ->check(CLI::Range(1, 10000))
+      ->type_name("K");
   command->add_option("--mcap", flags->mcap, "write scans, frames, path and map for Foxglove or Lichtblick");
   command->add_option("--topic", flags->topic, "ROS: only this scan topic");
   add_config_flag(*command, flags->common);

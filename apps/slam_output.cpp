@@ -20,7 +20,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double rounded(double value, double per_unit) { return std::round(value * per_unit) / per_unit; }
+double rounded(double value, double per_unit) {
+  return std::round(value * per_unit) / per_unit;
+}
 
 double path_length(const std::vector<Pose2>& poses) {
   // Steps below the noise of standing still are no way.
@@ -55,13 +57,32 @@ Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& 
           {"wide_searches", run.searched},
           {"keyframes", slam.backend().keyframes().size()},
           {"loops",
-           {{"compared", loops.compared}, {"found", loops.found}, {"accepted", loops.accepted}, {"rejected", loops.undone + loops.outvoted},
-            {"rejected_undone", loops.undone}, {"rejected_outvoted", loops.outvoted}}},
+           {{"compared", loops.compared},
+            {"found", loops.found},
+            {"accepted", loops.accepted},
+            {"rejected", loops.undone + loops.outvoted},
+            {"rejected_undone", loops.undone},
+            {"rejected_outvoted", loops.outvoted}}},
           {"path_length_m", rounded(path_length(trajectory), 1e3)},
-          {"odometry", {{"used", run.odometry_used}, {"assumed", run.odometry_assumed}, {"steps", wheels.steps}, {"agreed", wheels.agreed},
-                        {"reversed", wheels.reversed}, {"slipped", wheels.slipped}, {"jumped", wheels.jumped}}},
-          {"laser", {{"x", run.mount.T_base_laser.x}, {"y", run.mount.T_base_laser.y}, {"theta", run.mount.T_base_laser.theta}, {"flipped", run.mount.flipped}}},
-          {"map", {{"width", map.width}, {"height", map.height}, {"resolution_m", map.resolution_m}, {"occupied_cells", occupied}, {"free_cells", free}}},
+          {"odometry",
+           {{"used", run.odometry_used},
+            {"assumed", run.odometry_assumed},
+            {"steps", wheels.steps},
+            {"agreed", wheels.agreed},
+            {"reversed", wheels.reversed},
+            {"slipped", wheels.slipped},
+            {"jumped", wheels.jumped}}},
+          {"laser",
+           {{"x", run.mount.T_base_laser.x},
+            {"y", run.mount.T_base_laser.y},
+            {"theta", run.mount.T_base_laser.theta},
+            {"flipped", run.mount.flipped}}},
+          {"map",
+           {{"width", map.width},
+            {"height", map.height},
+            {"resolution_m", map.resolution_m},
+            {"occupied_cells", occupied},
+            {"free_cells", free}}},
           {"warnings", warnings}};
 }
 
@@ -71,7 +92,10 @@ Json percentiles(std::vector<float> values) {
   for (const float v : values) sum += static_cast<double>(v);
   const double mean = sum / static_cast<double>(values.size());
   std::sort(values.begin(), values.end());
-  const auto at = [&](double q) { return rounded(static_cast<double>(values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))]), 1e4); };
+  const auto at = [&](double q) {
+    return rounded(static_cast<double>(values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))]),
+                   1e4);
+  };
   return {{"mean", rounded(mean, 1e4)}, {"p50", at(0.5)}, {"p95", at(0.95)}, {"p99", at(0.99)}, {"max", at(1.0)}};
 }
 
@@ -132,7 +156,8 @@ void write_slam_output(const std::string& folder, const Slam& slam, const SlamRu
   for (const char* key : {"format", "scans", "scans_tracked", "keyframes", "path_length_m"}) {
     report.facts.emplace_back(key, summary[key].is_string() ? summary[key].get<std::string>() : summary[key].dump());
   }
-  for (const char* key : {"found", "accepted", "rejected"}) report.facts.emplace_back(std::string("loops ") + key, summary["loops"][key].dump());
+  for (const char* key : {"found", "accepted", "rejected"})
+    report.facts.emplace_back(std::string("loops ") + key, summary["loops"][key].dump());
   report.facts.emplace_back("odometry", run.odometry_assumed);
   report.warnings = warning_lines(summary, run);
   write_file(base + "report.html", format_slam_report(report));

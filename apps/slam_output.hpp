@@ -15,20 +15,20 @@ struct SlamRun {
   std::string format;
   std::string odometry_assumed;
   bool odometry_used = false;
-  bool complete = true;          ///< false: stopped by the user
+  bool complete = true;  ///< false: stopped by the user
   bool times = true;
-  std::vector<float> cpu_ms;     ///< tracker's thread, per scan
+  std::vector<float> cpu_ms;  ///< tracker's thread, per scan
   std::vector<float> wall_ms;
   std::vector<float> overlap;
   std::size_t tracked = 0, searched = 0, new_segments = 0, usable = 0;
   double total_cpu_s = 0.0, total_wall_s = 0.0;
   std::map<std::string, std::size_t> damages;  ///< of the reader, by kind
   const InputCheck* check = nullptr;
-  LaserMount mount;              ///< of the first laser
+  LaserMount mount;  ///< of the first laser
 };
 
-/// Writes trajectory.tum, map.pgm, map.yaml, map.png, graph.g2o, report.html, summary.json and, with times, timing.json:
-/// each whole or not at all. @throws SystemError
+/// Writes trajectory.tum, map.pgm, map.yaml, map.png, graph.g2o, report.html, summary.json and, with times,
+/// timing.json: each whole or not at all. @throws SystemError
 void write_slam_output(const std::string& folder, const Slam& slam, const SlamRun& run);
 
 }  // namespace phasescan::app

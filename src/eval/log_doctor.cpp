@@ -75,7 +75,9 @@ void count_scan(Laser& laser, const Scan& scan) {
 
 void find_in_scans(const Laser& laser, std::vector<Finding>& out) {
   if (laser.beams_changed > 0) {
-    out.push_back({"beams vary", fmt::format("{} to {} beams a scan, changing {} times", laser.fewest_beams, laser.most_beams, laser.beams_changed),
+    out.push_back({"beams vary",
+                   fmt::format("{} to {} beams a scan, changing {} times", laser.fewest_beams, laser.most_beams,
+                               laser.beams_changed),
                    "the driver sends what arrived in a turn; many mapping tools refuse such scans, phasescan does not",
                    "nothing for phasescan; for others resample in the driver (angle compensation, fixed count)"});
   }
@@ -85,17 +87,20 @@ void find_in_scans(const Laser& laser, std::vector<Finding>& out) {
                    "set range_max in the driver; until then the longest range of a scan stands for it"});
   }
   if (percent(laser.missing, laser.beams) > 50.0) {
-    out.push_back({"beams missing", fmt::format("{:.0f} % of all beams have no return", percent(laser.missing, laser.beams)),
+    out.push_back({"beams missing",
+                   fmt::format("{:.0f} % of all beams have no return", percent(laser.missing, laser.beams)),
                    "open space, glass or black surfaces beyond what the sensor can see; matches rest on few points",
                    "check range_min and range_max and the sensor's window; drive closer to walls"});
   }
   if (laser.empty > 0) {
     out.push_back({"empty scans", fmt::format("{} of {} scans have not one return", laser.empty, laser.scans),
-                   "the driver sent a turn before data came, or lost sync", "nothing for phasescan: they are passed over; look at the cable if there are many"});
+                   "the driver sent a turn before data came, or lost sync",
+                   "nothing for phasescan: they are passed over; look at the cable if there are many"});
   }
   const std::size_t blind = longest_blind_run(laser.hits);
   if (laser.scans >= 20 && laser.beams_changed == 0 && 10 * blind > laser.hits.size()) {
-    out.push_back({"blind sector", fmt::format("{} neighbouring beams of {} never had a return", blind, laser.hits.size()),
+    out.push_back({"blind sector",
+                   fmt::format("{} neighbouring beams of {} never had a return", blind, laser.hits.size()),
                    "the robot's own body, a mast or a mask of the driver hides part of the view",
                    "normal for a laser behind a body; else move the sensor"});
   }
@@ -110,9 +115,11 @@ void find_in_stamps(const Laser& laser, std::vector<Finding>& out) {
   const StampStatistics& stamps = laser.stamps;
   const double median = stamps.median_seconds();
   if (stamps.backwards() > 0) {
-    out.push_back({"stamps backwards", fmt::format("{} of {} scans are stamped before their predecessor", stamps.backwards(), stamps.count()),
-                   "speeds come out negative and odometry is looked up at the wrong time",
-                   "stamp scans where they are measured; check for a clock that was set while recording"});
+    out.push_back(
+        {"stamps backwards",
+         fmt::format("{} of {} scans are stamped before their predecessor", stamps.backwards(), stamps.count()),
+         "speeds come out negative and odometry is looked up at the wrong time",
+         "stamp scans where they are measured; check for a clock that was set while recording"});
   }
   if (stamps.repeated() > 0) {
     out.push_back({"stamps repeated", fmt::format("{} scans have the stamp of their predecessor", stamps.repeated()),
@@ -121,7 +128,8 @@ void find_in_stamps(const Laser& laser, std::vector<Finding>& out) {
   if (median <= 0.0) return;
   const std::size_t bursts = stamps.shorter_than(0.2 * median);
   if (percent(bursts, stamps.count()) > 1.0) {
-    out.push_back({"stamps in bursts", fmt::format("{} scans follow within a fifth of the usual {:.3f} s", bursts, median),
+    out.push_back({"stamps in bursts",
+                   fmt::format("{} scans follow within a fifth of the usual {:.3f} s", bursts, median),
                    "scans were stamped when they were received, in heaps, not when they were measured",
                    "stamp in the driver; a slow USB or network link delays messages"});
   }
@@ -132,37 +140,49 @@ void find_in_stamps(const Laser& laser, std::vector<Finding>& out) {
                    "look for lost messages: a full disk, a busy processor, a weak link"});
   }
   if (laser.longest_turn_seconds > 1.5 * median) {
-    out.push_back({"time_increment absurd", fmt::format("beams take {:.3f} s by time_increment, scans come every {:.3f} s", laser.longest_turn_seconds, median),
-                   "taking motion out of a scan would bend it", "set time_increment to the scan time over the number of beams, or to 0"});
+    out.push_back({"time_increment absurd",
+                   fmt::format("beams take {:.3f} s by time_increment, scans come every {:.3f} s",
+                               laser.longest_turn_seconds, median),
+                   "taking motion out of a scan would bend it",
+                   "set time_increment to the scan time over the number of beams, or to 0"});
   }
 }
 
 void find_in_motion(const MotionCounts& motion, std::vector<Finding>& out) {
   if (motion.turns_opposite >= 5 && motion.turns_opposite > 4 * motion.turns_same) {
-    out.push_back({"mirrored sensor", fmt::format("in {} of {} turns the scans turn opposite to the odometry", motion.turns_opposite,
-                                                  motion.turns_opposite + motion.turns_same),
+    out.push_back({"mirrored sensor",
+                   fmt::format("in {} of {} turns the scans turn opposite to the odometry", motion.turns_opposite,
+                               motion.turns_opposite + motion.turns_same),
                    "the laser is upside down or its angles run clockwise without saying so: the map comes out mirrored",
                    "publish the mounting with roll = pi in /tf_static, or set the driver's `inverted` flag"});
   }
   if (motion.moves_backwards >= 5 && motion.moves_backwards > 4 * motion.moves_same) {
-    out.push_back({"mounted backwards", fmt::format("in {} of {} straight runs the scans move opposite to the odometry", motion.moves_backwards,
-                                                    motion.moves_backwards + motion.moves_same),
+    out.push_back({"mounted backwards",
+                   fmt::format("in {} of {} straight runs the scans move opposite to the odometry",
+                               motion.moves_backwards, motion.moves_backwards + motion.moves_same),
                    "the laser looks to the rear and the log does not say so: odometry pulls the wrong way",
                    "publish the mounting with yaw = pi in /tf_static"});
   }
-  const bool explained = motion.turns_opposite > 4 * motion.turns_same || motion.moves_backwards > 4 * motion.moves_same;
+  const bool explained =
+      motion.turns_opposite > 4 * motion.turns_same || motion.moves_backwards > 4 * motion.moves_same;
   if (!explained && motion.compared >= 10 && percent(motion.disagree, motion.compared) > 25.0) {
-    out.push_back({"odometry disagrees", fmt::format("{:.0f} % of {} compared motions differ from what the scans show", percent(motion.disagree, motion.compared), motion.compared),
+    out.push_back({"odometry disagrees",
+                   fmt::format("{:.0f} % of {} compared motions differ from what the scans show",
+                               percent(motion.disagree, motion.compared), motion.compared),
                    "wheels slip, or the ticks, the wheel base or the mounting of the laser are wrong",
                    "calibrate by a turn on the spot and a straight line; or run with --odometry none"});
   }
   if (motion.neighbours >= 10 && percent(motion.fast, motion.neighbours) > 2.0) {
-    out.push_back({"too fast for its rate", fmt::format("{} of {} neighbouring scans are more than 20 deg or 0.5 m apart", motion.fast, motion.neighbours),
-                   "scans overlap less and each one is bent by the motion during its turn",
-                   "drive or turn slower, or run the sensor faster"});
+    out.push_back(
+        {"too fast for its rate",
+         fmt::format("{} of {} neighbouring scans are more than 20 deg or 0.5 m apart", motion.fast, motion.neighbours),
+         "scans overlap less and each one is bent by the motion during its turn",
+         "drive or turn slower, or run the sensor faster"});
   }
   if (motion.matched + motion.unmatched >= 20 && motion.unmatched > motion.matched) {
-    out.push_back({"scans hard to match", fmt::format("{} of {} pairs of near scans have no match to be trusted", motion.unmatched, motion.matched + motion.unmatched),
+    out.push_back({"scans hard to match",
+                   fmt::format("{} of {} pairs of near scans have no match to be trusted", motion.unmatched,
+                               motion.matched + motion.unmatched),
                    "corridors, open space, people in front of the sensor, or beams at wrong angles",
                    "check the angles that the driver states; drive where more is to be seen"});
   }
@@ -189,7 +209,8 @@ void LogDoctor::add(const LogEntry& entry) {
 std::vector<Finding> LogDoctor::findings(const std::map<std::string, std::string>& facts) const {
   std::vector<Finding> out;
   if (const auto absurd = facts.find("time_increment absurd"); absurd != facts.end()) {
-    out.push_back({"time_increment absurd", absurd->second, "taking motion out of a scan would bend it: read as unknown",
+    out.push_back({"time_increment absurd", absurd->second,
+                   "taking motion out of a scan would bend it: read as unknown",
                    "set time_increment to the scan time over the number of beams, or to 0"});
   }
   for (const auto& [name, laser] : impl_->lasers) {

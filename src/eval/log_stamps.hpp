@@ -36,8 +36,12 @@ class StampStatistics {
     return 0.0;
   }
   /// Distances longer or shorter than a multiple of the median.
-  std::size_t longer_than(double seconds) const { return count_if([&](double s) { return s > seconds; }); }
-  std::size_t shorter_than(double seconds) const { return count_if([&](double s) { return s < seconds; }); }
+  std::size_t longer_than(double seconds) const {
+    return count_if([&](double s) { return s > seconds; });
+  }
+  std::size_t shorter_than(double seconds) const {
+    return count_if([&](double s) { return s < seconds; });
+  }
 
  private:
   static constexpr double kShortest = 1e-5;

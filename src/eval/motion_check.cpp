@@ -9,9 +9,9 @@ namespace {
 
 constexpr std::size_t kPairsAtAStride = 40;
 constexpr std::size_t kFewestHits = 20;
-constexpr std::size_t kLongestPair = 20;           ///< scans from an anchor to its partner
-const double kEnoughTurn = deg_to_rad(5.0);        ///< odometry that makes a pair worth a match
-constexpr double kEnoughPath = 0.15;               ///< [m]
+constexpr std::size_t kLongestPair = 20;     ///< scans from an anchor to its partner
+const double kEnoughTurn = deg_to_rad(5.0);  ///< odometry that makes a pair worth a match
+constexpr double kEnoughPath = 0.15;         ///< [m]
 const double kFastTurn = deg_to_rad(20.0);
 constexpr double kFastPath = 0.5;
 

@@ -31,8 +31,8 @@ std::vector<Relation> read_relations(const std::string& path) {
   return relations;
 }
 
-RelationErrors relation_errors(std::span<const StampedPose> trajectory, std::span<const Relation> relations, const Pose2& T_base_laser,
-                               double max_gap_s) {
+RelationErrors relation_errors(std::span<const StampedPose> trajectory, std::span<const Relation> relations,
+                               const Pose2& T_base_laser, double max_gap_s) {
   RelationErrors out;
   out.relations = relations.size();
   std::vector<std::size_t> order(trajectory.size());
@@ -41,8 +41,8 @@ RelationErrors relation_errors(std::span<const StampedPose> trajectory, std::spa
                    [&](std::size_t a, std::size_t b) { return trajectory[a].stamp < trajectory[b].stamp; });
   const auto max_gap = static_cast<Stamp>(max_gap_s * 1e9);
   const auto find = [&](Stamp stamp) -> const StampedPose* {
-    const auto after =
-        std::lower_bound(order.begin(), order.end(), stamp, [&](std::size_t i, Stamp s) { return trajectory[i].stamp < s; });
+    const auto after = std::lower_bound(order.begin(), order.end(), stamp,
+                                        [&](std::size_t i, Stamp s) { return trajectory[i].stamp < s; });
     const StampedPose* best = nullptr;
     for (auto it = after == order.begin() ? after : after - 1; it != order.end() && it <= after; ++it) {
       const StampedPose& pose = trajectory[*it];

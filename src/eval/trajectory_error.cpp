@@ -10,7 +10,8 @@ namespace {
 
 /// Index of the pose nearest in time; `order` sorts `poses` by stamp. The earlier one of two equally near.
 std::size_t nearest_in_time(std::span<const StampedPose> poses, const std::vector<std::size_t>& order, Stamp stamp) {
-  const auto after = std::lower_bound(order.begin(), order.end(), stamp, [&](std::size_t i, Stamp s) { return poses[i].stamp < s; });
+  const auto after =
+      std::lower_bound(order.begin(), order.end(), stamp, [&](std::size_t i, Stamp s) { return poses[i].stamp < s; });
   if (after == order.begin()) return *after;
   if (after == order.end()) return *(after - 1);
   const Stamp gap_after = poses[*after].stamp - stamp, gap_before = stamp - poses[*(after - 1)].stamp;
@@ -60,7 +61,8 @@ ErrorStats error_stats(std::span<const double> errors) {
   return s;
 }
 
-AssociatedPoses associate(std::span<const StampedPose> estimate, std::span<const StampedPose> reference, double max_gap_s) {
+AssociatedPoses associate(std::span<const StampedPose> estimate, std::span<const StampedPose> reference,
+                          double max_gap_s) {
   AssociatedPoses out;
   if (estimate.empty() || reference.empty()) return out;
   const bool estimate_longer = estimate.size() > reference.size();
@@ -68,7 +70,8 @@ AssociatedPoses associate(std::span<const StampedPose> estimate, std::span<const
   const auto shorter = estimate_longer ? reference : estimate;
   std::vector<std::size_t> order(longer.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return longer[a].stamp < longer[b].stamp; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return longer[a].stamp < longer[b].stamp; });
   const auto max_gap = static_cast<Stamp>(max_gap_s * 1e9);
   for (const StampedPose& pose : shorter) {
     const StampedPose& other = longer[nearest_in_time(longer, order, pose.stamp)];

@@ -24,7 +24,8 @@ class EdgeCost final : public ceres::SizedCostFunction<3, 3, 3> {
     const double dx = b[0] - a[0], dy = b[1] - a[1];
     // e_t = R_z^T (R_a^T (t_b - t_a) - t_z), e_theta = theta_b - theta_a - theta_z
     const double cz = std::cos(measured_.theta), sz = std::sin(measured_.theta);
-    const Eigen::Vector3d e(c * dx + s * dy - (cz * measured_.x + sz * measured_.y), -s * dx + c * dy - (-sz * measured_.x + cz * measured_.y),
+    const Eigen::Vector3d e(c * dx + s * dy - (cz * measured_.x + sz * measured_.y),
+                            -s * dx + c * dy - (-sz * measured_.x + cz * measured_.y),
                             wrap_angle(b[2] - a[2] - measured_.theta));
     Eigen::Map<Eigen::Vector3d>(residuals, 3) = sqrt_information_ * e;
     if (!jacobians) return true;
@@ -77,7 +78,8 @@ using Block = std::array<double, 3>;
 
 /// The Ceres problem of a graph; `blocks` holds its parameters and must outlive it.
 struct GraphProblem {
-  GraphProblem(const std::vector<Pose2>& poses, const std::vector<PoseEdge>& edges, double kernel_width) : kernel(kernel_width) {
+  GraphProblem(const std::vector<Pose2>& poses, const std::vector<PoseEdge>& edges, double kernel_width)
+      : kernel(kernel_width) {
     ceres::Problem::Options options;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -91,7 +93,8 @@ struct GraphProblem {
     for (const PoseEdge& e : edges) {
       if (!e.enabled) continue;
       problem->AddResidualBlock(new EdgeCost(e.T_from_to, e.information), e.robust ? &kernel : nullptr,
-                                blocks[static_cast<std::size_t>(e.from)].data(), blocks[static_cast<std::size_t>(e.to)].data());
+                                blocks[static_cast<std::size_t>(e.from)].data(),
+                                blocks[static_cast<std::size_t>(e.to)].data());
     }
   }
   HeadingManifold manifold;
@@ -111,8 +114,8 @@ int PoseGraph::add_node(const Pose2& pose) {
 int PoseGraph::add_edge(const PoseEdge& edge) {
   const int n = static_cast<int>(poses_.size());
   if (edge.from < 0 || edge.to < 0 || edge.from >= n || edge.to >= n || edge.from == edge.to) {
-    throw std::invalid_argument("graph.edge: from " + std::to_string(edge.from) + " to " + std::to_string(edge.to) + " with " +
-                                std::to_string(n) + " nodes");
+    throw std::invalid_argument("graph.edge: from " + std::to_string(edge.from) + " to " + std::to_string(edge.to) +
+                                " with " + std::to_string(n) + " nodes");
   }
   if (!edge.T_from_to.is_finite() || !edge.information.allFinite() || edge.information.llt().info() != Eigen::Success) {
     throw std::invalid_argument("graph.edge: pose or information not finite, or information not positive definite");
@@ -131,7 +134,8 @@ void PoseGraph::keep_edges(const std::vector<char>& keep) {
 
 Pose2 PoseGraph::edge_error(int edge) const {
   const PoseEdge& e = edges_[static_cast<std::size_t>(edge)];
-  return e.T_from_to.inverse() * (poses_[static_cast<std::size_t>(e.from)].inverse() * poses_[static_cast<std::size_t>(e.to)]);
+  return e.T_from_to.inverse() *
+         (poses_[static_cast<std::size_t>(e.from)].inverse() * poses_[static_cast<std::size_t>(e.to)]);
 }
 
 double PoseGraph::edge_chi2(int edge) const {
@@ -160,7 +164,8 @@ GraphSummary PoseGraph::optimize(const GraphOptions& options) {
   summary.final_cost = report.final_cost;
   if (!report.IsSolutionUsable()) return summary;
   summary.converged = report.termination_type == ceres::CONVERGENCE;
-  for (std::size_t i = 0; i < poses_.size(); ++i) poses_[i] = {graph.blocks[i][0], graph.blocks[i][1], wrap_angle(graph.blocks[i][2])};
+  for (std::size_t i = 0; i < poses_.size(); ++i)
+    poses_[i] = {graph.blocks[i][0], graph.blocks[i][1], wrap_angle(graph.blocks[i][2])};
   return summary;
 }
 

@@ -27,7 +27,8 @@ struct PolarCells {
 
 }  // namespace
 
-void ScoreTable::build(const SurfacePoints& surface, const BearingTable& bearings, double half_width_m, const ScoreTableValues& values) {
+void ScoreTable::build(const SurfacePoints& surface, const BearingTable& bearings, double half_width_m,
+                       const ScoreTableValues& values) {
   static const PolarCells kPolar;
   values_ = values;
   cell_ = static_cast<float>(2.0 * half_width_m / kCells);

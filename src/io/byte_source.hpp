@@ -18,7 +18,8 @@ class ByteSource {
   virtual std::size_t read(std::uint8_t* out, std::size_t n) = 0;
 };
 
-/// A file from its first byte, or from byte `from`. @throws InputError where there is no such file, SystemError where it may not be read.
+/// A file from its first byte, or from byte `from`. @throws InputError where there is no such file, SystemError where
+/// it may not be read.
 std::unique_ptr<ByteSource> open_file_source(const std::string& path, std::uint64_t from = 0);
 
 /// Size of a file [bytes].

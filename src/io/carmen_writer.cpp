@@ -1,5 +1,5 @@
-// CARMEN logs. FLASER can say beams over 180 degrees of a laser ahead of the robot; other scans go as ROBOTLASER1, or as
-// RAWLASER1 where there is no pose:
+// CARMEN logs. FLASER can say beams over 180 degrees of a laser ahead of the robot; other scans go as ROBOTLASER1, or
+// as RAWLASER1 where there is no pose:
 //
 //   FLASER n r.. x y theta ox oy otheta t host lt
 //   ROBOTLASER1 type start fov res maxr acc rem n r.. m rem.. lx ly ltheta rx ry rtheta tv rv fwd side turn t host lt
@@ -108,6 +108,8 @@ class CarmenWriter final : public LogWriter {
 
 }  // namespace
 
-std::unique_ptr<LogWriter> make_carmen_writer(const std::string& path) { return std::make_unique<CarmenWriter>(path); }
+std::unique_ptr<LogWriter> make_carmen_writer(const std::string& path) {
+  return std::make_unique<CarmenWriter>(path);
+}
 
 }  // namespace phasescan

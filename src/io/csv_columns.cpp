@@ -16,26 +16,46 @@ struct Name {
 };
 
 constexpr Name kNames[] = {
-    {"stamp", ColumnRole::kStamp},        {"time", ColumnRole::kStamp},
-    {"timestamp", ColumnRole::kStamp},    {"t", ColumnRole::kStamp},
-    {"header.stamp", ColumnRole::kStamp}, {"angle", ColumnRole::kAngle},
-    {"theta", ColumnRole::kAngle},        {"bearing", ColumnRole::kAngle},
-    {"azimuth", ColumnRole::kAngle},      {"angule", ColumnRole::kAngle},
-    {"range", ColumnRole::kRange},        {"ranges", ColumnRole::kRange},
-    {"distance", ColumnRole::kRange},     {"distances", ColumnRole::kRange},
-    {"dist", ColumnRole::kRange},         {"r", ColumnRole::kRange},
-    {"intensity", ColumnRole::kIntensity}, {"intensities", ColumnRole::kIntensity},
-    {"quality", ColumnRole::kIntensity},  {"q", ColumnRole::kIntensity},
-    {"signal", ColumnRole::kIntensity},   {"scan", ColumnRole::kScanNumber},
-    {"scan_id", ColumnRole::kScanNumber}, {"scan_number", ColumnRole::kScanNumber},
-    {"revolution", ColumnRole::kScanNumber}, {"frame", ColumnRole::kScanNumber},
-    {"start", ColumnRole::kScanStart},    {"start_flag", ColumnRole::kScanStart},
-    {"sync", ColumnRole::kScanStart},     {"new_scan", ColumnRole::kScanStart},
-    {"angle_min", ColumnRole::kAngleMin}, {"angle_increment", ColumnRole::kAngleIncrement},
-    {"angle_max", ColumnRole::kAngleMax}, {"range_min", ColumnRole::kRangeMin},
-    {"range_max", ColumnRole::kRangeMax}, {"time_increment", ColumnRole::kTimeIncrement},
-    {"odom_x", ColumnRole::kOdomX},       {"odom_y", ColumnRole::kOdomY},
-    {"odom_theta", ColumnRole::kOdomTheta}, {"odom_yaw", ColumnRole::kOdomTheta},
+    {"stamp", ColumnRole::kStamp},
+    {"time", ColumnRole::kStamp},
+    {"timestamp", ColumnRole::kStamp},
+    {"t", ColumnRole::kStamp},
+    {"header.stamp", ColumnRole::kStamp},
+    {"angle", ColumnRole::kAngle},
+    {"theta", ColumnRole::kAngle},
+    {"bearing", ColumnRole::kAngle},
+    {"azimuth", ColumnRole::kAngle},
+    {"angule", ColumnRole::kAngle},
+    {"range", ColumnRole::kRange},
+    {"ranges", ColumnRole::kRange},
+    {"distance", ColumnRole::kRange},
+    {"distances", ColumnRole::kRange},
+    {"dist", ColumnRole::kRange},
+    {"r", ColumnRole::kRange},
+    {"intensity", ColumnRole::kIntensity},
+    {"intensities", ColumnRole::kIntensity},
+    {"quality", ColumnRole::kIntensity},
+    {"q", ColumnRole::kIntensity},
+    {"signal", ColumnRole::kIntensity},
+    {"scan", ColumnRole::kScanNumber},
+    {"scan_id", ColumnRole::kScanNumber},
+    {"scan_number", ColumnRole::kScanNumber},
+    {"revolution", ColumnRole::kScanNumber},
+    {"frame", ColumnRole::kScanNumber},
+    {"start", ColumnRole::kScanStart},
+    {"start_flag", ColumnRole::kScanStart},
+    {"sync", ColumnRole::kScanStart},
+    {"new_scan", ColumnRole::kScanStart},
+    {"angle_min", ColumnRole::kAngleMin},
+    {"angle_increment", ColumnRole::kAngleIncrement},
+    {"angle_max", ColumnRole::kAngleMax},
+    {"range_min", ColumnRole::kRangeMin},
+    {"range_max", ColumnRole::kRangeMax},
+    {"time_increment", ColumnRole::kTimeIncrement},
+    {"odom_x", ColumnRole::kOdomX},
+    {"odom_y", ColumnRole::kOdomY},
+    {"odom_theta", ColumnRole::kOdomTheta},
+    {"odom_yaw", ColumnRole::kOdomTheta},
 };
 
 struct Unit {
@@ -52,7 +72,8 @@ ColumnRole role_of(std::string_view name) {
 }
 
 bool cut_suffix(std::string& name, std::string_view suffix) {
-  if (name.size() <= suffix.size() + 1 || !name.ends_with(suffix) || name[name.size() - suffix.size() - 1] != '_') return false;
+  if (name.size() <= suffix.size() + 1 || !name.ends_with(suffix) || name[name.size() - suffix.size() - 1] != '_')
+    return false;
   name.resize(name.size() - suffix.size() - 1);
   return true;
 }
@@ -146,15 +167,20 @@ std::string settle_units(CsvLayout& layout, const std::vector<std::vector<double
     column.scale = 1.0;
     const char* unit = nullptr;
     if (column.role == ColumnRole::kStamp) {
-      if (largest > 1e17) column.scale = 1e-9, unit = "stamps in ns";
-      else if (largest > 1e14) column.scale = 1e-6, unit = "stamps in us";
-      else if (largest > 1e11) column.scale = 1e-3, unit = "stamps in ms";
-    } else if (column.role == ColumnRole::kAngle || column.role == ColumnRole::kAngleMin || column.role == ColumnRole::kAngleMax) {
+      if (largest > 1e17)
+        column.scale = 1e-9, unit = "stamps in ns";
+      else if (largest > 1e14)
+        column.scale = 1e-6, unit = "stamps in us";
+      else if (largest > 1e11)
+        column.scale = 1e-3, unit = "stamps in ms";
+    } else if (column.role == ColumnRole::kAngle || column.role == ColumnRole::kAngleMin ||
+               column.role == ColumnRole::kAngleMax) {
       if (largest > 2.0 * kPi + 0.01) column.scale = kPi / 180.0, unit = "angles in degrees";
     } else if (column.role == ColumnRole::kRange) {
       if (largest > 100.0) column.scale = 1e-3, unit = "ranges in mm";
     }
-    if (unit != nullptr && assumed.find(unit) == std::string::npos) assumed += (assumed.empty() ? "" : ", ") + std::string(unit);
+    if (unit != nullptr && assumed.find(unit) == std::string::npos)
+      assumed += (assumed.empty() ? "" : ", ") + std::string(unit);
   }
   // One unit for all beams of a scan, and one for all of its angles.
   const auto same_scale = [&layout](auto belongs) {
@@ -168,7 +194,8 @@ std::string settle_units(CsvLayout& layout, const std::vector<std::vector<double
   };
   same_scale([](ColumnRole role) { return role == ColumnRole::kRange; });
   same_scale([](ColumnRole role) {
-    return role == ColumnRole::kAngle || role == ColumnRole::kAngleMin || role == ColumnRole::kAngleMax || role == ColumnRole::kAngleIncrement;
+    return role == ColumnRole::kAngle || role == ColumnRole::kAngleMin || role == ColumnRole::kAngleMax ||
+           role == ColumnRole::kAngleIncrement;
   });
   for (Column& column : layout.columns) {
     if (column.clockwise) column.scale = -column.scale;

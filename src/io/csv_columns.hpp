@@ -8,18 +8,33 @@
 
 namespace phasescan {
 
-/// What one column is. kRange and kIntensity stand once in a log of single beams and many times in a log of whole scans.
+/// What one column is. kRange and kIntensity stand once in a log of single beams and many times in a log of whole
+/// scans.
 enum class ColumnRole {
-  kIgnored, kStamp, kAngle, kRange, kIntensity, kScanNumber, kScanStart,
-  kAngleMin, kAngleIncrement, kAngleMax, kRangeMin, kRangeMax, kTimeIncrement, kOdomX, kOdomY, kOdomTheta
+  kIgnored,
+  kStamp,
+  kAngle,
+  kRange,
+  kIntensity,
+  kScanNumber,
+  kScanStart,
+  kAngleMin,
+  kAngleIncrement,
+  kAngleMax,
+  kRangeMin,
+  kRangeMax,
+  kTimeIncrement,
+  kOdomX,
+  kOdomY,
+  kOdomTheta
 };
 
 struct Column {
   ColumnRole role = ColumnRole::kIgnored;
-  double scale = 1.0;      ///< times the number = SI (negative for clockwise angles); 0 = not stated
+  double scale = 1.0;  ///< times the number = SI (negative for clockwise angles); 0 = not stated
   bool clockwise = false;
-  bool indexed = false;    ///< one of many: ranges0, range_12, r[3]
-  bool open_end = false;   ///< `ranges` without a number: this column and all that follow
+  bool indexed = false;   ///< one of many: ranges0, range_12, r[3]
+  bool open_end = false;  ///< `ranges` without a number: this column and all that follow
 };
 
 /// Names as tools write them: case, quotes, a leading % or "field." do not matter; a unit is a suffix (`range_mm`,
@@ -41,8 +56,8 @@ std::optional<CsvLayout> make_layout(const std::vector<std::string_view>& names,
 /// Comma, semicolon, tab or blanks: what separates the fields of this line.
 char guess_separator(std::string_view line);
 
-/// Units that no name states, from the first rows: angles beyond 2 pi are degrees, ranges beyond 100 millimetres, stamps
-/// by their size seconds, milli-, micro- or nanoseconds. Returns what was assumed, for people, empty if nothing.
+/// Units that no name states, from the first rows: angles beyond 2 pi are degrees, ranges beyond 100 millimetres,
+/// stamps by their size seconds, milli-, micro- or nanoseconds. Returns what was assumed, for people, empty if nothing.
 std::string settle_units(CsvLayout& layout, const std::vector<std::vector<double>>& rows);
 
 }  // namespace phasescan

@@ -27,7 +27,9 @@ std::optional<CsvLayout> layout_of_line(std::string_view line) {
   return make_layout(names, separator);
 }
 
-bool is_comment(std::string_view line) { return line.empty() || line.front() == '#'; }
+bool is_comment(std::string_view line) {
+  return line.empty() || line.front() == '#';
+}
 
 class CsvReader final : public TextLogReader {
  public:
@@ -37,8 +39,10 @@ class CsvReader final : public TextLogReader {
       split_fields(options.columns, ',', names);
       const auto layout = make_layout(names, ' ');
       if (!layout) {
-        throw InputError("--columns", 0, quote_text(options.columns) + " names no ranges, or single ranges without angles; "
-                                         "expected for example angle_deg,range_mm or stamp,ranges");
+        throw InputError("--columns", 0,
+                         quote_text(options.columns) +
+                             " names no ranges, or single ranges without angles; "
+                             "expected for example angle_deg,range_mm or stamp,ranges");
       }
       layout_ = *layout;
       guess_separator_ = true;
@@ -122,7 +126,8 @@ class CsvReader final : public TextLogReader {
       split_fields(line, layout_.separator, fields_);
       const bool open_end = layout_.columns.back().open_end;
       if (open_end ? fields_.size() < layout_.columns.size() : fields_.size() != layout_.columns.size()) {
-        damage_here("wrong count", std::to_string(fields_.size()) + " fields; expected " + std::to_string(layout_.columns.size()));
+        damage_here("wrong count",
+                    std::to_string(fields_.size()) + " fields; expected " + std::to_string(layout_.columns.size()));
         continue;
       }
       Row row;
@@ -143,7 +148,8 @@ class CsvReader final : public TextLogReader {
         row.stamp_seconds = parse_stamp(fields_[i]);
       }
       if (!value) {
-        damage_here("bad number", "field " + std::to_string(i + 1) + " is " + quote_text(fields_[i]) + "; expected a number");
+        damage_here("bad number",
+                    "field " + std::to_string(i + 1) + " is " + quote_text(fields_[i]) + "; expected a number");
         return false;
       }
       row.numbers.push_back(*value);
@@ -228,7 +234,8 @@ class CsvReader final : public TextLogReader {
   bool begins_scan(const std::vector<double>& numbers, double angle) {
     if (beams_.empty()) return false;
     if (beams_.size() >= kMostBeams) return true;
-    if (const auto number = value(numbers, ColumnRole::kScanNumber)) return *number != value(first_.numbers, ColumnRole::kScanNumber);
+    if (const auto number = value(numbers, ColumnRole::kScanNumber))
+      return *number != value(first_.numbers, ColumnRole::kScanNumber);
     if (const auto start = value(numbers, ColumnRole::kScanStart)) return *start == 1.0;
     const double step = angle - beams_.back().angle;
     const double span = std::abs(beams_.back().angle - beams_.front().angle);

@@ -186,18 +186,24 @@ Compression sniff_compression(Bytes first) {
 
 std::unique_ptr<ByteSource> decompress(Compression compression, std::unique_ptr<ByteSource> source) {
   switch (compression) {
-    case Compression::kGzip: return std::make_unique<GzipSource>(std::move(source));
-    case Compression::kBzip2: return std::make_unique<Bzip2Source>(std::move(source));
-    case Compression::kLz4: return std::make_unique<Lz4Source>(std::move(source));
-    case Compression::kZstd: return std::make_unique<ZstdSource>(std::move(source));
-    case Compression::kNone: break;
+    case Compression::kGzip:
+      return std::make_unique<GzipSource>(std::move(source));
+    case Compression::kBzip2:
+      return std::make_unique<Bzip2Source>(std::move(source));
+    case Compression::kLz4:
+      return std::make_unique<Lz4Source>(std::move(source));
+    case Compression::kZstd:
+      return std::make_unique<ZstdSource>(std::move(source));
+    case Compression::kNone:
+      break;
   }
   return source;
 }
 
 std::vector<std::uint8_t> zstd_unpack(Bytes packed, std::size_t limit) {
   const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
-  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN) throw DecodeError("zstd: no frame of known size");
+  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN)
+    throw DecodeError("zstd: no frame of known size");
   if (size > limit) throw DecodeError("zstd: " + std::to_string(size) + " bytes stated for one message");
   std::vector<std::uint8_t> out(static_cast<std::size_t>(size));
   const std::size_t made = ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());

@@ -14,8 +14,8 @@ enum class Compression { kNone, kGzip, kBzip2, kLz4, kZstd };
 Compression sniff_compression(Bytes first);
 
 /// What `source` holds, unpacked. Several members, frames or streams in a row are read as one, as the tools of each
-/// format do. Its read() throws DecodeError "zstd: ..." at damage, after all that lies before it was delivered, and also
-/// where the data end before their own end mark.
+/// format do. Its read() throws DecodeError "zstd: ..." at damage, after all that lies before it was delivered, and
+/// also where the data end before their own end mark.
 std::unique_ptr<ByteSource> decompress(Compression compression, std::unique_ptr<ByteSource> source);
 
 /// A zstd frame that states its size, unpacked in memory, at most `limit` bytes. @throws DecodeError.

@@ -18,7 +18,8 @@ std::string format_g2o(const PoseGraph& graph) {
     if (!e.enabled) continue;
     const Eigen::Matrix3d& I = e.information;
     text += "EDGE_SE2";
-    put(e.from, e.to, e.T_from_to.x, e.T_from_to.y, e.T_from_to.theta, I(0, 0), I(0, 1), I(0, 2), I(1, 1), I(1, 2), I(2, 2));
+    put(e.from, e.to, e.T_from_to.x, e.T_from_to.y, e.T_from_to.theta, I(0, 0), I(0, 1), I(0, 2), I(1, 1), I(1, 2),
+        I(2, 2));
     text += '\n';
   }
   return text;

@@ -15,8 +15,8 @@ constexpr std::size_t kPrefixBytes = std::size_t{1} << 16;
 // Asked in this order: what is recognised by a magic number first, text by its words after.
 std::vector<LogFormat> log_formats() {
   return {
-      rosbag1_format(), rosbag2_format(), mcap_format(), packed_recording_format(), scan_log_format(),
-      carmen_format(),  lowcost_format(), csv_format(),
+      rosbag1_format(),  rosbag2_format(), mcap_format(),    packed_recording_format(),
+      scan_log_format(), carmen_format(),  lowcost_format(), csv_format(),
   };
 }
 

@@ -30,7 +30,9 @@ int wrapped_difference(double now, double before) {
                                    static_cast<std::uint16_t>(static_cast<std::int64_t>(before)));
 }
 
-bool is_integer_up_to(double value, double most) { return std::abs(value) <= most && value == std::floor(value); }
+bool is_integer_up_to(double value, double most) {
+  return std::abs(value) <= most && value == std::floor(value);
+}
 
 class LowcostReader : public TextLogReader {
  public:
@@ -78,7 +80,8 @@ class LowcostReader : public TextLogReader {
   /// Ranges from `begin` on, times `unit`.
   Scan scan_of(std::span<const double> ranges, double unit, ScanGeometry geometry) {
     raw_.resize(ranges.size());
-    std::transform(ranges.begin(), ranges.end(), raw_.begin(), [unit](double r) { return static_cast<float>(r * unit); });
+    std::transform(ranges.begin(), ranges.end(), raw_.begin(),
+                   [unit](double r) { return static_cast<float>(r * unit); });
     return make_scan(raw_, geometry);
   }
 
@@ -198,7 +201,9 @@ class PolarReader final : public LowcostReader {
 
  protected:
   char separator() const override { return ','; }
-  bool whole_by_count(std::size_t) const override { return false; }  // any count is legal: nothing proves the line whole
+  bool whole_by_count(std::size_t) const override {
+    return false;
+  }  // any count is legal: nothing proves the line whole
 
   bool read(const std::vector<double>& n, LogEntry& entry) override {
     if (n.size() < kPolarHead + 1) {
@@ -249,7 +254,8 @@ std::optional<LowcostFormat> sniff_lowcost(std::string_view first_line) {
   const bool commas = first_line.find(',') != std::string_view::npos;
   split_fields(first_line, commas ? ',' : ' ', fields);
   if (!parse_numbers(fields, numbers)) return std::nullopt;
-  if (commas) return fields.size() >= kPolarHead + kFewestPolarBeams ? std::optional(LowcostFormat::kPolar) : std::nullopt;
+  if (commas)
+    return fields.size() >= kPolarHead + kFewestPolarBeams ? std::optional(LowcostFormat::kPolar) : std::nullopt;
   if (fields.size() == kSlambotNumbers) return LowcostFormat::kSlambot;
   if (fields.size() == kBreezyHead + kBreezyBeams + 1) return LowcostFormat::kBreezy;
   return std::nullopt;
@@ -257,9 +263,12 @@ std::optional<LowcostFormat> sniff_lowcost(std::string_view first_line) {
 
 std::unique_ptr<LogReader> open_lowcost(const std::string& path, LowcostFormat format) {
   switch (format) {
-    case LowcostFormat::kSlambot: return std::make_unique<SlambotReader>(path);
-    case LowcostFormat::kBreezy: return std::make_unique<BreezyReader>(path);
-    case LowcostFormat::kPolar: break;
+    case LowcostFormat::kSlambot:
+      return std::make_unique<SlambotReader>(path);
+    case LowcostFormat::kBreezy:
+      return std::make_unique<BreezyReader>(path);
+    case LowcostFormat::kPolar:
+      break;
   }
   return std::make_unique<PolarReader>(path);
 }

@@ -30,7 +30,9 @@ Picture picture_of(const TrinaryMap& map) {
   for (int k = map.height - 1; k >= 0; --k) {
     for (int i = 0; i < map.width; ++i) {
       const CellState state = map.at(i, k);
-      p.grey[to++] = state == CellState::kFree ? kFreePixel : state == CellState::kOccupied ? kOccupiedPixel : kUnknownPixel;
+      p.grey[to++] = state == CellState::kFree       ? kFreePixel
+                     : state == CellState::kOccupied ? kOccupiedPixel
+                                                     : kUnknownPixel;
     }
   }
   return p;
@@ -49,7 +51,8 @@ long pgm_number(const std::string& data, std::size_t& at, const std::string& pat
   }
   long value = 0;
   std::size_t digits = 0;
-  for (; at < data.size() && data[at] >= '0' && data[at] <= '9' && digits < 9; ++at, ++digits) value = 10 * value + (data[at] - '0');
+  for (; at < data.size() && data[at] >= '0' && data[at] <= '9' && digits < 9; ++at, ++digits)
+    value = 10 * value + (data[at] - '0');
   if (digits == 0) throw InputError(path, 0, "the pgm image ends too early or holds something that is no number");
   return value;
 }
@@ -59,11 +62,15 @@ Picture read_pgm(const std::string& data, const std::string& path) {
   std::size_t at = 2;
   const long width = pgm_number(data, at, path), height = pgm_number(data, at, path), most = pgm_number(data, at, path);
   if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide || most < 1 || most > 255) {
-    throw InputError(path, 0, fmt::format("a pgm of {} x {} with {} grey levels; expected 1..{} a side and up to 255 levels", width, height, most, kMaxSide));
+    throw InputError(path, 0,
+                     fmt::format("a pgm of {} x {} with {} grey levels; expected 1..{} a side and up to 255 levels",
+                                 width, height, most, kMaxSide));
   }
   Picture p{static_cast<int>(width), static_cast<int>(height), {}};
   const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  if (binary && data.size() < at + 1 + count) throw InputError(path, 0, fmt::format("the pgm has {} of {} pixels", data.size() - std::min(data.size(), at + 1), count));
+  if (binary && data.size() < at + 1 + count)
+    throw InputError(path, 0,
+                     fmt::format("the pgm has {} of {} pixels", data.size() - std::min(data.size(), at + 1), count));
   if (!binary && count > data.size()) throw InputError(path, 0, "the pgm ends before its last pixel");
   p.grey.resize(count);
   ++at;
@@ -81,13 +88,16 @@ Picture read_png(const std::string& data, const std::string& path) {
     throw InputError(path, 0, std::string("not a readable PNG: ") + image.message);
   }
   image.format = PNG_FORMAT_GRAY;
-  if (image.width > kMaxSide || image.height > kMaxSide || static_cast<std::size_t>(image.width) * image.height > kMaxPixels) {
+  if (image.width > kMaxSide || image.height > kMaxSide ||
+      static_cast<std::size_t>(image.width) * image.height > kMaxPixels) {
     png_image_free(&image);
     throw InputError(path, 0, "the PNG is larger than any map");
   }
-  Picture p{static_cast<int>(image.width), static_cast<int>(image.height), std::vector<unsigned char>(PNG_IMAGE_SIZE(image))};
+  Picture p{static_cast<int>(image.width), static_cast<int>(image.height),
+            std::vector<unsigned char>(PNG_IMAGE_SIZE(image))};
   const png_color white{255, 255, 255};
-  if (!png_image_finish_read(&image, &white, p.grey.data(), 0, nullptr)) throw InputError(path, 0, std::string("not a readable PNG: ") + image.message);
+  if (!png_image_finish_read(&image, &white, p.grey.data(), 0, nullptr))
+    throw InputError(path, 0, std::string("not a readable PNG: ") + image.message);
   return p;
 }
 
@@ -112,8 +122,9 @@ std::string format_pgm(const TrinaryMap& map) {
 }
 
 std::string format_map_yaml(const TrinaryMap& map, const std::string& image_name) {
-  return fmt::format("image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, {}]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
-                     image_name, map.resolution_m, map.origin.x, map.origin.y, map.origin.theta);
+  return fmt::format(
+      "image: {}\nmode: trinary\nresolution: {}\norigin: [{}, {}, {}]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+      image_name, map.resolution_m, map.origin.x, map.origin.y, map.origin.theta);
 }
 
 std::string format_png(const TrinaryMap& map) {
@@ -144,9 +155,12 @@ TrinaryMap read_map(const std::string& yaml_path, bool* unknown_reads_as_free) {
   TrinaryMap map;
   map.resolution_m = yaml_value<double>(yaml, "resolution", yaml_path);
   const auto origin = yaml_value<std::vector<double>>(yaml, "origin", yaml_path);
-  const double occupied = yaml_value<double>(yaml, "occupied_thresh", yaml_path), free = yaml_value<double>(yaml, "free_thresh", yaml_path);
-  if (!(map.resolution_m > 0.0) || !std::isfinite(map.resolution_m)) throw InputError(yaml_path, 0, "`resolution` is not above 0");
-  if (origin.size() < 2 || !std::isfinite(origin[0]) || !std::isfinite(origin[1])) throw InputError(yaml_path, 0, "`origin` is not [x, y, yaw]");
+  const double occupied = yaml_value<double>(yaml, "occupied_thresh", yaml_path),
+               free = yaml_value<double>(yaml, "free_thresh", yaml_path);
+  if (!(map.resolution_m > 0.0) || !std::isfinite(map.resolution_m))
+    throw InputError(yaml_path, 0, "`resolution` is not above 0");
+  if (origin.size() < 2 || !std::isfinite(origin[0]) || !std::isfinite(origin[1]))
+    throw InputError(yaml_path, 0, "`origin` is not [x, y, yaw]");
   map.origin = {origin[0], origin[1], origin.size() > 2 && std::isfinite(origin[2]) ? wrap_angle(origin[2]) : 0.0};
   if (!(free < occupied)) throw InputError(yaml_path, 0, "`free_thresh` is not below `occupied_thresh`");
   bool negate = false;
@@ -158,7 +172,8 @@ TrinaryMap read_map(const std::string& yaml_path, bool* unknown_reads_as_free) {
     throw InputError(yaml_path, yaml["mode"].Mark().line + 1, "`mode` is not trinary, the only one that can be read");
   }
   const std::filesystem::path image(yaml_value<std::string>(yaml, "image", yaml_path));
-  const std::string image_path = image.is_absolute() ? image.string() : (std::filesystem::path(yaml_path).parent_path() / image).string();
+  const std::string image_path =
+      image.is_absolute() ? image.string() : (std::filesystem::path(yaml_path).parent_path() / image).string();
   const std::string data = read_file(image_path);
   const bool pgm = data.size() > 2 && data[0] == 'P' && (data[1] == '5' || data[1] == '2');
   const bool png = data.size() > 8 && data.compare(1, 3, "PNG") == 0;
@@ -171,9 +186,12 @@ TrinaryMap read_map(const std::string& yaml_path, bool* unknown_reads_as_free) {
   for (int row = 0; row < p.height; ++row) {
     for (int i = 0; i < p.width; ++i) {
       const auto from = static_cast<std::size_t>(row) * static_cast<std::size_t>(p.width) + static_cast<std::size_t>(i);
-      const auto to = static_cast<std::size_t>(p.height - 1 - row) * static_cast<std::size_t>(p.width) + static_cast<std::size_t>(i);
+      const auto to = static_cast<std::size_t>(p.height - 1 - row) * static_cast<std::size_t>(p.width) +
+                      static_cast<std::size_t>(i);
       const double g = p.grey[from], probability = negate ? g / 255.0 : (255.0 - g) / 255.0;
-      map.cells[to] = probability >= occupied ? CellState::kOccupied : probability <= free ? CellState::kFree : CellState::kUnknown;
+      map.cells[to] = probability >= occupied ? CellState::kOccupied
+                      : probability <= free   ? CellState::kFree
+                                              : CellState::kUnknown;
       trap = trap || (p.grey[from] == kUnknownPixel && map.cells[to] == CellState::kFree);
     }
   }

@@ -46,7 +46,6 @@ class McapContainer final : public ros::Container {
     for (const auto& [name, count] : chunks_) out["chunks, " + (name.empty() ? "none" : name)] = std::to_string(count);
   }
 
-
   bool read_more() override {
     if (ended_) return false;
     try {
@@ -69,7 +68,8 @@ class McapContainer final : public ros::Container {
     if (stated_crc_ != 0 && stated_crc_ != crc_) {
       damaged("the chunk's checksum does not fit: what was read from it may be wrong");
     } else if (chunk_->position() != stated_bytes_ && file_.position() == chunk_end_) {
-      damaged("the chunk holds " + std::to_string(chunk_->position()) + " bytes and states " + std::to_string(stated_bytes_));
+      damaged("the chunk holds " + std::to_string(chunk_->position()) + " bytes and states " +
+              std::to_string(stated_bytes_));
     }
     return leave_chunk();
   }
@@ -104,10 +104,18 @@ class McapContainer final : public ros::Container {
     const auto op = static_cast<Op>(head.get<std::uint8_t>());
     const auto length = head.get<std::uint64_t>();
     switch (op) {
-      case Op::kMessage: read_message(stream, length); return true;
-      case Op::kSchema: read_schema(ByteReader(take_all(stream, length))); return true;
-      case Op::kChannel: read_channel(ByteReader(take_all(stream, length))); return true;
-      case Op::kHeader: profile_ = ByteReader(take_all(stream, length)).prefixed_text().substr(0, 64); return true;
+      case Op::kMessage:
+        read_message(stream, length);
+        return true;
+      case Op::kSchema:
+        read_schema(ByteReader(take_all(stream, length)));
+        return true;
+      case Op::kChannel:
+        read_channel(ByteReader(take_all(stream, length)));
+        return true;
+      case Op::kHeader:
+        profile_ = ByteReader(take_all(stream, length)).prefixed_text().substr(0, 64);
+        return true;
       case Op::kChunk:
         if (in_chunk) throw DecodeError("a chunk inside a chunk");
         enter_chunk(length);
@@ -117,8 +125,10 @@ class McapContainer final : public ros::Container {
         if (in_chunk) throw DecodeError("an end record inside a chunk");
         ended_ = true;  // what follows are summaries and indexes
         return false;
-      case Op::kInvalid: throw DecodeError("a record of kind 0");
-      default: break;
+      case Op::kInvalid:
+        throw DecodeError("a record of kind 0");
+      default:
+        break;
     }
     if (stream.skip(length) < length) {
       cut_reported_ = true;
@@ -141,7 +151,7 @@ class McapContainer final : public ros::Container {
     const bool readable = encoding == "cdr" || encoding == "ros1";
     const std::string type = schema == schemas_.end() ? std::string("no type") : schema->second;
     channels_[id] = log_.channel(topic, readable ? type : type + " as " + std::string(encoding),
-                            encoding == "ros1" ? ros::Wire::kRos1 : ros::Wire::kCdr);
+                                 encoding == "ros1" ? ros::Wire::kRos1 : ros::Wire::kCdr);
   }
 
   void read_message(ByteStream& stream, std::uint64_t length) {

@@ -11,8 +11,18 @@ namespace phasescan::mcap {
 inline constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 
 enum class Op : std::uint8_t {
-  kInvalid = 0x00, kHeader = 0x01, kFooter = 0x02, kSchema = 0x03, kChannel = 0x04, kMessage = 0x05, kChunk = 0x06,
-  kMessageIndex = 0x07, kChunkIndex = 0x08, kStatistics = 0x0B, kSummaryOffset = 0x0E, kDataEnd = 0x0F
+  kInvalid = 0x00,
+  kHeader = 0x01,
+  kFooter = 0x02,
+  kSchema = 0x03,
+  kChannel = 0x04,
+  kMessage = 0x05,
+  kChunk = 0x06,
+  kMessageIndex = 0x07,
+  kChunkIndex = 0x08,
+  kStatistics = 0x0B,
+  kSummaryOffset = 0x0E,
+  kDataEnd = 0x0F
 };
 
 /// Appends a record: kind, length, and what `fill(ByteWriter&)` appends.

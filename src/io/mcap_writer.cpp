@@ -178,7 +178,8 @@ struct McapWriter::Impl {
 
   static void put_chunk_index(ByteWriter& out, const ChunkIndex& chunk) {
     mcap::put_record(out, Op::kChunkIndex, [&](ByteWriter& record) {
-      for (const std::uint64_t value : {chunk.start_time, chunk.end_time, chunk.offset, chunk.length}) record.put(value);
+      for (const std::uint64_t value : {chunk.start_time, chunk.end_time, chunk.offset, chunk.length})
+        record.put(value);
       record.put(static_cast<std::uint32_t>(chunk.message_indexes.size() * 10));
       for (const auto& [id, offset] : chunk.message_indexes) {
         record.put(id);
@@ -265,7 +266,8 @@ void McapWriter::odometry(const std::string& topic, Stamp stamp, const std::stri
   impl_->add(topic, "nav_msgs/msg/Odometry", stamp, ros::Odometry{{stamp, frame}, child, ros::spatial(pose)});
 }
 
-void McapWriter::transform(Stamp stamp, const std::string& frame, const std::string& child, const Pose2& pose, bool flipped) {
+void McapWriter::transform(Stamp stamp, const std::string& frame, const std::string& child, const Pose2& pose,
+                           bool flipped) {
   impl_->add("/tf", "tf2_msgs/msg/TFMessage", stamp,
              std::vector<ros::Transform>{{{stamp, frame}, child, ros::spatial(pose, flipped)}});
 }
@@ -286,10 +288,16 @@ void McapWriter::path(const std::string& topic, Stamp stamp, const std::string& 
 
 void McapWriter::grid(const std::string& topic, Stamp stamp, const std::string& frame, const McapGrid& grid) {
   impl_->add(topic, "nav_msgs/msg/OccupancyGrid", stamp,
-             ros::OccupancyGrid{{stamp, frame}, static_cast<float>(grid.resolution_m), grid.width, grid.height,
-                                grid.T_map_origin, grid.cells});
+             ros::OccupancyGrid{{stamp, frame},
+                                static_cast<float>(grid.resolution_m),
+                                grid.width,
+                                grid.height,
+                                grid.T_map_origin,
+                                grid.cells});
 }
 
-void McapWriter::close() { impl_->finish(); }
+void McapWriter::close() {
+  impl_->finish();
+}
 
 }  // namespace phasescan

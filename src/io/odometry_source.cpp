@@ -33,9 +33,13 @@ OdometrySource find_odometry_source(const std::string& path, const LogOptions& o
   if (with_odometry == 0) return {false, "the log holds no odometry"};
   if (with_both == 0 || same < with_both) return {true, "the log's odometry is used"};
   if (left_by_mapping(reader->facts())) {
-    return {false, "odometry and corrected pose are the same in every scan and a mapping program has left its marks: counted as no odometry"};
+    return {
+        false,
+        "odometry and corrected pose are the same in every scan and a mapping program has left its marks: counted as no odometry"};
   }
-  return {true, "odometry and corrected pose are the same in every scan, with no mark of a mapping program: taken as odometry"};
+  return {
+      true,
+      "odometry and corrected pose are the same in every scan, with no mark of a mapping program: taken as odometry"};
 }
 
 }  // namespace phasescan

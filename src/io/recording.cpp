@@ -13,7 +13,9 @@
 namespace phasescan {
 namespace {
 
-Bytes as_bytes(std::string_view text) { return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}; }
+Bytes as_bytes(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
 
 /// As much of the beginning as can be had; damage further on is the reader's to name.
 Bytes safe_peek(ByteStream& stream, std::size_t n) {
@@ -58,13 +60,15 @@ LogFormat rosbag1_format() {
 }
 
 LogFormat rosbag2_format() {
-  return {"rosbag2 (a folder or a .db3)",
-          [](const std::string&, std::string_view prefix) { return prefix.empty() || looks_like_sqlite(as_bytes(prefix)); },
-          open_known};
+  return {
+      "rosbag2 (a folder or a .db3)",
+      [](const std::string&, std::string_view prefix) { return prefix.empty() || looks_like_sqlite(as_bytes(prefix)); },
+      open_known};
 }
 
 LogFormat mcap_format() {
-  return {"MCAP", [](const std::string&, std::string_view prefix) { return looks_like_mcap(as_bytes(prefix)); }, open_known};
+  return {"MCAP", [](const std::string&, std::string_view prefix) { return looks_like_mcap(as_bytes(prefix)); },
+          open_known};
 }
 
 LogFormat packed_recording_format() {

@@ -9,9 +9,7 @@ namespace {
 /// Aligns every value to its own size, counted from behind the encapsulation.
 class CdrWriter {
  public:
-  explicit CdrWriter(ByteWriter& out) : out_(out) {
-    out_.put(std::uint32_t{0x00000100});
-  }
+  explicit CdrWriter(ByteWriter& out) : out_(out) { out_.put(std::uint32_t{0x00000100}); }
   template <class T>
   void put(T value) {
     align(sizeof(T));

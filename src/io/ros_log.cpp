@@ -60,10 +60,17 @@ void RosLogReader::message(Channel& channel, Stamp log_time, Bytes data) {
   log_time_ = log_time;
   try {
     switch (channel.content) {
-      case Channel::Content::kScan: add_scan(channel, log_time, data); break;
-      case Channel::Content::kOdometry: add_odometry(channel, data); break;
-      case Channel::Content::kTransforms: add_transforms(channel, data); break;
-      case Channel::Content::kOther: break;
+      case Channel::Content::kScan:
+        add_scan(channel, log_time, data);
+        break;
+      case Channel::Content::kOdometry:
+        add_odometry(channel, data);
+        break;
+      case Channel::Content::kTransforms:
+        add_transforms(channel, data);
+        break;
+      case Channel::Content::kOther:
+        break;
     }
   } catch (const DecodeError& error) {
     add_damage("bad message", path_ + ": message " + std::to_string(ordinal_) + " of " + channel.topic + " is no " +
@@ -191,8 +198,9 @@ void RosLogReader::check_topic() const {
     if (channel.topic == topic_) return;
     others += (others.empty() ? "" : ", ") + channel.topic;
   }
-  throw InputError(path_, 0, "no scans on topic " + topic_ + "; " +
-                                 (others.empty() ? "the log has no LaserScan topic" : "expected one of " + others));
+  throw InputError(path_, 0,
+                   "no scans on topic " + topic_ + "; " +
+                       (others.empty() ? "the log has no LaserScan topic" : "expected one of " + others));
 }
 
 std::map<std::string, std::string> RosLogReader::facts() const {
@@ -202,7 +210,8 @@ std::map<std::string, std::string> RosLogReader::facts() const {
     out["topic " + channel.topic] = channel.type + ", " + std::to_string(channel.messages) + " messages";
   }
   if (absurd_time_increments_ > 0) {
-    out["time_increment absurd"] = std::to_string(absurd_time_increments_) + " scans state a turn of more than 2 s or less than none";
+    out["time_increment absurd"] =
+        std::to_string(absurd_time_increments_) + " scans state a turn of more than 2 s or less than none";
   }
   if (!odometry_topic_.empty()) {
     out["odometry from"] = odometry_topic_;

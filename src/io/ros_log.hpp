@@ -40,13 +40,13 @@ class Container {
   virtual void add_facts(std::map<std::string, std::string>&) const {}
 };
 
-/// A container hands over its messages in the file's order; this class gives each scan the odometry at its stamp and the
-/// mounting of its laser.
+/// A container hands over its messages in the file's order; this class gives each scan the odometry at its stamp and
+/// the mounting of its laser.
 ///
-/// A scan waits until odometry on both sides of its stamp is there, and the transform to its laser, but never longer than
-/// two seconds of the log or 64 scans. The robot's odometry is a nav_msgs/Odometry topic (the first one) or, in a log
-/// without any, the transform from an odom frame. It is interpolated between samples at most a second apart; outside them the nearest
-/// counts for 0.2 s. Where a laser sits is settled with its first scan.
+/// A scan waits until odometry on both sides of its stamp is there, and the transform to its laser, but never longer
+/// than two seconds of the log or 64 scans. The robot's odometry is a nav_msgs/Odometry topic (the first one) or, in a
+/// log without any, the transform from an odom frame. It is interpolated between samples at most a second apart;
+/// outside them the nearest counts for 0.2 s. Where a laser sits is settled with its first scan.
 class RosLogReader final : public LogReader {
  public:
   RosLogReader(std::string path, const LogOptions& options) : path_(std::move(path)), topic_(options.topic) {}

@@ -167,9 +167,15 @@ constexpr double kLongestTurnSeconds = 2.0;
 
 }  // namespace
 
-void decode(Wire wire, Bytes data, LaserScan& out) { decode_any(wire, data, out); }
-void decode(Wire wire, Bytes data, Odometry& out) { decode_any(wire, data, out); }
-void decode(Wire wire, Bytes data, std::vector<Transform>& out) { decode_any(wire, data, out); }
+void decode(Wire wire, Bytes data, LaserScan& out) {
+  decode_any(wire, data, out);
+}
+void decode(Wire wire, Bytes data, Odometry& out) {
+  decode_any(wire, data, out);
+}
+void decode(Wire wire, Bytes data, std::vector<Transform>& out) {
+  decode_any(wire, data, out);
+}
 
 Scan to_scan(const LaserScan& message) {
   ScanGeometry geometry;

@@ -20,8 +20,8 @@ Pose2 planar(const Pose3& pose);
 /// Where a laser sits on its robot.
 struct Mounting {
   Pose2 T_base_laser;
-  bool flipped = false;      ///< z points down
-  double tilt_rad = 0.0;     ///< angle between the scan plane and the base's plane
+  bool flipped = false;   ///< z points down
+  double tilt_rad = 0.0;  ///< angle between the scan plane and the base's plane
 };
 
 /// The latest transform of every child frame. Holds at most 4096 frames, whatever a file says.

@@ -60,7 +60,6 @@ class Rosbag1Container final : public ros::Container {
     for (const auto& [name, count] : chunks_) out["chunks, " + name] = std::to_string(count);
   }
 
-
   bool read_more() override {
     if (ended_) return false;
     try {
@@ -110,7 +109,8 @@ class Rosbag1Container final : public ros::Container {
 
   bool read_record(ByteStream& stream, bool in_chunk) {
     if (stream.at_end()) {
-      if (file_.position() < index_position_) damaged("the file ends before its index at byte " + std::to_string(index_position_));
+      if (file_.position() < index_position_)
+        damaged("the file ends before its index at byte " + std::to_string(index_position_));
       if (!has_file_header_) damaged("the file ends before its header");
       ended_ = true;
       return false;
@@ -124,8 +124,12 @@ class Rosbag1Container final : public ros::Container {
     const Fields fields{Bytes(header_)};
     std::uint64_t data_bytes = take_length(stream);
     switch (fields.number<std::uint8_t>("op")) {
-      case kMessage: read_message(stream, fields, data_bytes); return true;
-      case kConnection: read_connection(fields, take_data(stream, data_bytes)); return true;
+      case kMessage:
+        read_message(stream, fields, data_bytes);
+        return true;
+      case kConnection:
+        read_connection(fields, take_data(stream, data_bytes));
+        return true;
       case kChunk:
         if (in_chunk) throw DecodeError("a chunk inside a chunk");
         enter_chunk(fields, data_bytes);
@@ -138,8 +142,10 @@ class Rosbag1Container final : public ros::Container {
         has_file_header_ = true;
         index_position_ = fields.number<std::uint64_t>("index_pos");
         break;
-      case kChunkInfo: break;
-      default: throw DecodeError("a record of unknown kind " + std::to_string(fields.number<std::uint8_t>("op")));
+      case kChunkInfo:
+        break;
+      default:
+        throw DecodeError("a record of unknown kind " + std::to_string(fields.number<std::uint8_t>("op")));
     }
     if (stream.skip(data_bytes) < data_bytes) {
       cut_reported_ = true;
@@ -251,7 +257,8 @@ std::unique_ptr<LogReader> open_rosbag1(const std::string& path, ByteStream stre
   const std::string_view magic(reinterpret_cast<const char*>(first.data()), first.size());
   if (!magic.starts_with(kMagic)) {
     const std::string named(magic.substr(1, magic.find_first_of("\n\r") - 1));
-    throw InputError(path, 0, "a bag of the format '" + named + "'; expected 'ROSBAG V2.0' (`rosbag fix` of ROS 1 converts it)");
+    throw InputError(path, 0,
+                     "a bag of the format '" + named + "'; expected 'ROSBAG V2.0' (`rosbag fix` of ROS 1 converts it)");
   }
   stream.skip(kMagic.size());
   auto log = std::make_unique<ros::RosLogReader>(path, options);

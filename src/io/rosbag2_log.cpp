@@ -61,14 +61,11 @@ class SqliteContainer final : public ros::Container {
  public:
   /// `path` is what the user knows the file by; the database is in `unpacked` where there is one.
   SqliteContainer(std::string path, std::unique_ptr<TemporaryFile> unpacked, ros::RosLogReader& log)
-      : path_(std::move(path)),
-        unpacked_(std::move(unpacked)),
-        bag_(unpacked_ ? unpacked_->path() : path_),
-        log_(log) {
+      : path_(std::move(path)), unpacked_(std::move(unpacked)), bag_(unpacked_ ? unpacked_->path() : path_), log_(log) {
     for (const BagTopic& topic : bag_.topics()) {
       const bool cdr = topic.serialization == "cdr" || topic.serialization.empty();
-      channels_[topic.id] = log_.channel(topic.name, cdr ? topic.type : topic.type + " as " + topic.serialization,
-                                         ros::Wire::kCdr);
+      channels_[topic.id] =
+          log_.channel(topic.name, cdr ? topic.type : topic.type + " as " + topic.serialization, ros::Wire::kCdr);
     }
   }
 
@@ -210,7 +207,8 @@ bool natural_less(const std::string& a, const std::string& b) {
     const auto end = text.find_last_of("0123456789");
     if (end == std::string::npos) return std::string();
     const auto before = text.find_last_not_of("0123456789", end);
-    return text.substr(before == std::string::npos ? 0 : before + 1, end - (before == std::string::npos ? 0 : before + 1) + 1);
+    return text.substr(before == std::string::npos ? 0 : before + 1,
+                       end - (before == std::string::npos ? 0 : before + 1) + 1);
   };
   const std::string x = number_at(fs::path(a).stem().stem().string());
   const std::string y = number_at(fs::path(b).stem().stem().string());
@@ -221,9 +219,11 @@ bool natural_less(const std::string& a, const std::string& b) {
 Recording list_folder(const fs::path& folder) {
   Recording out;
   std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end && out.files.size() < kMostFiles; it.increment(error)) {
+  for (fs::directory_iterator it(folder, error), end; !error && it != end && out.files.size() < kMostFiles;
+       it.increment(error)) {
     const std::string name = it->path().filename().string();
-    const bool ours = name.ends_with(".db3") || name.ends_with(".mcap") || name.ends_with(".db3.zstd") || name.ends_with(".mcap.zstd");
+    const bool ours = name.ends_with(".db3") || name.ends_with(".mcap") || name.ends_with(".db3.zstd") ||
+                      name.ends_with(".mcap.zstd");
     if (ours) out.files.push_back(it->path().string());
   }
   if (error) throw SystemError(folder.string(), error.message());
@@ -256,7 +256,8 @@ std::unique_ptr<LogReader> open_rosbag2_sqlite(const std::string& path, const Lo
   return log;
 }
 
-std::unique_ptr<LogReader> open_rosbag2_packed_sqlite(const std::string& path, ByteStream stream, const LogOptions& options) {
+std::unique_ptr<LogReader> open_rosbag2_packed_sqlite(const std::string& path, ByteStream stream,
+                                                      const LogOptions& options) {
   auto log = std::make_unique<ros::RosLogReader>(path, options);
   try {
     auto file = unpack(path, stream, *log);

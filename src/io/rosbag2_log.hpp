@@ -16,7 +16,9 @@ std::unique_ptr<LogReader> open_rosbag2_folder(const std::string& path, const Lo
 /// A .db3 alone.
 std::unique_ptr<LogReader> open_rosbag2_sqlite(const std::string& path, const LogOptions& options);
 
-/// A .db3 inside a compressed file: sqlite needs a real one, so it is unpacked to the folder for temporary files ($TMPDIR).
-std::unique_ptr<LogReader> open_rosbag2_packed_sqlite(const std::string& path, ByteStream stream, const LogOptions& options);
+/// A .db3 inside a compressed file: sqlite needs a real one, so it is unpacked to the folder for temporary files
+/// ($TMPDIR).
+std::unique_ptr<LogReader> open_rosbag2_packed_sqlite(const std::string& path, ByteStream stream,
+                                                      const LogOptions& options);
 
 }  // namespace phasescan

@@ -51,11 +51,13 @@ struct SqliteBag::Impl {
 
   /// A hostile file may define views or virtual tables of the same names, which would run its own queries.
   void expect_plain_table(const char* name) const {
-    const Statement statement = prepare("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?1 AND rootpage > 0");
+    const Statement statement =
+        prepare("SELECT 1 FROM sqlite_master WHERE type = 'table' AND name = ?1 AND rootpage > 0");
     sqlite3_bind_text(statement.get(), 1, name, -1, SQLITE_STATIC);
     const int rc = sqlite3_step(statement.get());
     if (rc != SQLITE_ROW && rc != SQLITE_DONE) fail();
-    if (rc == SQLITE_DONE) throw DecodeError(std::string("a database without a table '") + name + "': no rosbag2 recording");
+    if (rc == SQLITE_DONE)
+      throw DecodeError(std::string("a database without a table '") + name + "': no rosbag2 recording");
   }
 
   void read_topics() {
@@ -109,7 +111,9 @@ SqliteBag::SqliteBag(const std::string& path) : impl_(std::make_unique<Impl>()) 
 
 SqliteBag::~SqliteBag() = default;
 
-const std::vector<BagTopic>& SqliteBag::topics() const { return impl_->topics; }
+const std::vector<BagTopic>& SqliteBag::topics() const {
+  return impl_->topics;
+}
 
 std::optional<BagRow> SqliteBag::next() {
   Impl& bag = *impl_;
@@ -120,7 +124,8 @@ std::optional<BagRow> SqliteBag::next() {
     return std::nullopt;
   }
   if (rc != SQLITE_ROW) {
-    const std::string why = std::string("sqlite: ") + sqlite3_errmsg(bag.db) + " after row " + std::to_string(bag.last_id);
+    const std::string why =
+        std::string("sqlite: ") + sqlite3_errmsg(bag.db) + " after row " + std::to_string(bag.last_id);
     // Behind a lost page whole pages of good rows may follow: try ever farther on.
     bag.ended = ++bag.restarts > kMostRestarts || bag.last_id > INT64_MAX - bag.step_over;
     if (!bag.ended) {

@@ -37,8 +37,8 @@ class SqliteBag {
   SqliteBag& operator=(const SqliteBag&) = delete;
 
   const std::vector<BagTopic>& topics() const;
-  /// The next row, or nothing at the end. @throws DecodeError at damage; the next call then goes on behind it, and there
-  /// is an end to that.
+  /// The next row, or nothing at the end. @throws DecodeError at damage; the next call then goes on behind it, and
+  /// there is an end to that.
   std::optional<BagRow> next();
 
  private:

@@ -49,8 +49,9 @@ std::string format_tum(std::span<const StampedPose> poses) {
   text.reserve(poses.size() * 80);
   for (const StampedPose& p : poses) {
     const Stamp whole = p.stamp / 1'000'000'000, rest = p.stamp % 1'000'000'000;
-    fmt::format_to(std::back_inserter(text), "{}{}.{:09d} {:.6f} {:.6f} 0 0 0 {:.9f} {:.9f}\n", p.stamp < 0 ? "-" : "", std::abs(whole),
-                   std::abs(rest), p.pose.x, p.pose.y, std::sin(0.5 * p.pose.theta), std::cos(0.5 * p.pose.theta));
+    fmt::format_to(std::back_inserter(text), "{}{}.{:09d} {:.6f} {:.6f} 0 0 0 {:.9f} {:.9f}\n", p.stamp < 0 ? "-" : "",
+                   std::abs(whole), std::abs(rest), p.pose.x, p.pose.y, std::sin(0.5 * p.pose.theta),
+                   std::cos(0.5 * p.pose.theta));
   }
   return text;
 }
@@ -69,7 +70,8 @@ std::vector<StampedPose> read_tum(const std::string& path) {
     for (double& value : v) {
       if (!next_number(at, end, value)) throw InputError(path, number, "expected 8 numbers: stamp x y z qx qy qz qw");
     }
-    if (double extra = 0.0; next_number(at, end, extra)) throw InputError(path, number, "more than 8 numbers: expected stamp x y z qx qy qz qw");
+    if (double extra = 0.0; next_number(at, end, extra))
+      throw InputError(path, number, "more than 8 numbers: expected stamp x y z qx qy qz qw");
     const double yaw = std::atan2(2.0 * (v[7] * v[6] + v[4] * v[5]), 1.0 - 2.0 * (v[5] * v[5] + v[6] * v[6]));
     poses.push_back({parse_stamp(line.data(), end, v[0]), {v[1], v[2], wrap_angle(yaw)}});
   }

@@ -14,12 +14,15 @@ constexpr double kStepsPerUnit = 20.0;
 constexpr int kNeighbourBeams = 5;
 constexpr double kMissingShare = 0.8;
 
-int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+int floor_div(int a, int b) {
+  return a >= 0 ? a / b : -((-a + b - 1) / b);
+}
 
 /// Visits the cells of a segment in order, from the cell of `from` on, with the distance at which each is entered
 /// [Amanatides87]. `visit(i, k, entered)` returns false to stop.
 template <class Visit>
-void walk(const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double length, double resolution, Visit&& visit) {
+void walk(const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double length, double resolution,
+          Visit&& visit) {
   int i = static_cast<int>(std::floor(from.x() / resolution)), k = static_cast<int>(std::floor(from.y() / resolution));
   const int step_i = direction.x() >= 0.0 ? 1 : -1, step_k = direction.y() >= 0.0 ? 1 : -1;
   const double infinity = std::numeric_limits<double>::infinity();
@@ -45,14 +48,17 @@ void walk(const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double 
 }  // namespace
 
 OccupancyGrid::OccupancyGrid(const OccupancyOptions& options) : options_(options) {
-  if (!(options_.resolution_m > 0.0)) throw std::invalid_argument("map.resolution_m: " + std::to_string(options_.resolution_m) + " is not above 0");
+  if (!(options_.resolution_m > 0.0))
+    throw std::invalid_argument("map.resolution_m: " + std::to_string(options_.resolution_m) + " is not above 0");
   hit_ = static_cast<int>(std::lround(options_.hit_log_odds * kStepsPerUnit));
   miss_ = static_cast<int>(std::lround(options_.miss_log_odds * kStepsPerUnit));
   missing_ = static_cast<int>(std::lround(options_.missing_log_odds * kStepsPerUnit));
   clamp_ = static_cast<int>(std::lround(std::clamp(options_.clamp_log_odds, 0.1, 6.0) * kStepsPerUnit));
 }
 
-int OccupancyGrid::cell_of(double metres) const { return static_cast<int>(std::floor(metres / options_.resolution_m)); }
+int OccupancyGrid::cell_of(double metres) const {
+  return static_cast<int>(std::floor(metres / options_.resolution_m));
+}
 
 OccupancyGrid::Tile& OccupancyGrid::tile(int ti, int tk) {
   if (last_tile_ && last_.first == ti && last_.second == tk) return *last_tile_;
@@ -68,7 +74,8 @@ OccupancyGrid::Tile& OccupancyGrid::tile(int ti, int tk) {
 
 void OccupancyGrid::change(int i, int k, int steps) {
   const int ti = floor_div(i, kTileCells), tk = floor_div(k, kTileCells);
-  std::int8_t& value = tile(ti, tk)[static_cast<std::size_t>((k - tk * kTileCells) * kTileCells + (i - ti * kTileCells))];
+  std::int8_t& value =
+      tile(ti, tk)[static_cast<std::size_t>((k - tk * kTileCells) * kTileCells + (i - ti * kTileCells))];
   const int old = value == kUnknown ? 0 : value;
   value = static_cast<std::int8_t>(std::clamp(old + steps, -clamp_, clamp_));
 }
@@ -104,7 +111,8 @@ void OccupancyGrid::add_scan(const Scan& scan, const Pose2& T_map_laser, bool fl
     const double range = static_cast<double>(scan.ranges[static_cast<std::size_t>(b)]);
     if (range > options_.max_ray_m) continue;
     const Ray ray = ray_of(b);
-    hits.emplace_back(cell_of(ray.from.x() + range * ray.direction.x()), cell_of(ray.from.y() + range * ray.direction.y()));
+    hits.emplace_back(cell_of(ray.from.x() + range * ray.direction.x()),
+                      cell_of(ray.from.y() + range * ray.direction.y()));
   }
   std::sort(hits.begin(), hits.end());
   hits.erase(std::unique(hits.begin(), hits.end()), hits.end());
@@ -138,16 +146,18 @@ void OccupancyGrid::add_scan(const Scan& scan, const Pose2& T_map_laser, bool fl
     }
     if (reach <= 0.0 || missing_ == 0) continue;
     const Ray ray = ray_of(b);
-    walk(ray.from, ray.direction, std::min(kMissingShare * reach, options_.max_ray_m), options_.resolution_m, [&](int i, int k, double) {
-      change(i, k, missing_);
-      return true;
-    });
+    walk(ray.from, ray.direction, std::min(kMissingShare * reach, options_.max_ray_m), options_.resolution_m,
+         [&](int i, int k, double) {
+           change(i, k, missing_);
+           return true;
+         });
   }
   for (const auto& [i, k] : hits) change(i, k, hit_);
 }
 
 OccupancyGrid::Bounds OccupancyGrid::bounds() const {
-  Bounds b{std::numeric_limits<int>::max(), std::numeric_limits<int>::max(), std::numeric_limits<int>::min(), std::numeric_limits<int>::min()};
+  Bounds b{std::numeric_limits<int>::max(), std::numeric_limits<int>::max(), std::numeric_limits<int>::min(),
+           std::numeric_limits<int>::min()};
   for (const auto& [at, tile] : tiles_) {
     for (int k = 0; k < kTileCells; ++k) {
       for (int i = 0; i < kTileCells; ++i) {
@@ -162,7 +172,8 @@ OccupancyGrid::Bounds OccupancyGrid::bounds() const {
   return b.max_i < b.min_i ? Bounds{} : b;
 }
 
-std::optional<double> OccupancyGrid::raycast(const Eigen::Vector2d& from, double direction, double max_range, double occupied) const {
+std::optional<double> OccupancyGrid::raycast(const Eigen::Vector2d& from, double direction, double max_range,
+                                             double occupied) const {
   std::optional<double> distance;
   const Eigen::Vector2d along(std::cos(direction), std::sin(direction));
   walk(from, along, max_range, options_.resolution_m, [&](int i, int k, double entered) {

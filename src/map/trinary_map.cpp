@@ -23,9 +23,12 @@ TrinaryMap make_trinary(const OccupancyGrid& grid, int margin) {
   for (int k = b.min_k; k <= b.max_k; ++k) {
     for (int i = b.min_i; i <= b.max_i; ++i) {
       const double value = grid.log_odds(i, k);
-      CellState& cell = map.cells[static_cast<std::size_t>(k - b.min_k + margin) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(i - b.min_i + margin)];
-      if (value >= kOccupied) cell = CellState::kOccupied;
-      else if (value <= kFree) cell = CellState::kFree;
+      CellState& cell = map.cells[static_cast<std::size_t>(k - b.min_k + margin) * static_cast<std::size_t>(map.width) +
+                                  static_cast<std::size_t>(i - b.min_i + margin)];
+      if (value >= kOccupied)
+        cell = CellState::kOccupied;
+      else if (value <= kFree)
+        cell = CellState::kFree;
     }
   }
   return map;

@@ -7,11 +7,12 @@
 namespace phasescan {
 namespace {
 
-constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{2.137, -2.125, 1.314, 0.510, -1.134, -0.457, -3.572, -0.821, 1.903, 6.326, 1.960, 11.151, 2.252};
+constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{
+    2.137, -2.125, 1.314, 0.510, -1.134, -0.457, -3.572, -0.821, 1.903, 6.326, 1.960, 11.151, 2.252};
 
 constexpr double kMostVariance = 1e6;
-// The information counts every matched beam at its kernel's weight and so understates what the rest says; set so that 95 % of
-// simulated errors fall within the 95 % region.
+// The information counts every matched beam at its kernel's weight and so understates what the rest says; set so that
+// 95 % of simulated errors fall within the 95 % region.
 constexpr double kInflation = 0.78;
 constexpr double kSlides_m = 0.05;  // less certain than this along some direction: a corridor, where the pose may slide
 
@@ -19,7 +20,8 @@ constexpr double kSlides_m = 0.05;  // less certain than this along some directi
 
 double weakest_sigma(const Eigen::Matrix3d& information) {
   const Eigen::Vector2d coupling = information.topRightCorner<2, 1>();
-  const Eigen::Matrix2d marginal = information.topLeftCorner<2, 2>() - coupling * coupling.transpose() / std::max(information(2, 2), 1e-9);
+  const Eigen::Matrix2d marginal =
+      information.topLeftCorner<2, 2>() - coupling * coupling.transpose() / std::max(information(2, 2), 1e-9);
   const double trace = marginal.trace();
   const double det = marginal(0, 0) * marginal(1, 1) - marginal(0, 1) * marginal(1, 0);
   const double weak = 0.5 * (trace - std::sqrt(std::max(trace * trace - 4.0 * det, 0.0)));
@@ -32,7 +34,8 @@ bool is_ambiguous(const SearchOutcome& outcome) {
 
 Eigen::Matrix3d covariance_of(const SearchOutcome& outcome) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(outcome.refined.information);
-  const Eigen::Vector3d variances = (kInflation * eigen.eigenvalues().cwiseMax(1.0 / kMostVariance).cwiseInverse()).cwiseMin(kMostVariance);
+  const Eigen::Vector3d variances =
+      (kInflation * eigen.eigenvalues().cwiseMax(1.0 / kMostVariance).cwiseInverse()).cwiseMin(kMostVariance);
   return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
 }
 

@@ -15,8 +15,8 @@ struct Reference::Data {
 };
 
 /// A method at work: owns its buffers, used by one thread. Callers (ScanMatcher) have checked options, hints and that a
-/// prepared reference is of the engine's own method; an engine never throws for what the world offers. Engines fill every
-/// field of the result but `ms.total`, which ScanMatcher measures.
+/// prepared reference is of the engine's own method; an engine never throws for what the world offers. Engines fill
+/// every field of the result but `ms.total`, which ScanMatcher measures.
 class MatchEngine {
  public:
   virtual ~MatchEngine() = default;

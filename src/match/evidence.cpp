@@ -58,7 +58,8 @@ void SumEvidence(EvidenceTask& task) {
   V matched = zero, violation = zero, occluded = zero, empty = zero, stray = zero, silent = zero;
   for (std::size_t k = 0; k < hits.padded(); k += hn::Lanes(df)) {
     const V px = hn::LoadU(df, hits.x.data() + k), py = hn::LoadU(df, hits.y.data() + k);
-    const V qx = hn::Add(hn::Sub(hn::Mul(c, px), hn::Mul(s, py)), tx), qy = hn::Add(hn::Add(hn::Mul(s, px), hn::Mul(c, py)), ty);
+    const V qx = hn::Add(hn::Sub(hn::Mul(c, px), hn::Mul(s, py)), tx),
+            qy = hn::Add(hn::Add(hn::Mul(s, px), hn::Mul(c, py)), ty);
     const V sigma = hn::LoadU(df, hits.sigma.data() + k), weight = hn::LoadU(df, hits.weight.data() + k);
     V match = zero;
     hn::Mask<decltype(df)> found;
@@ -68,13 +69,16 @@ void SumEvidence(EvidenceTask& task) {
       const V mx = hn::LoadU(df, hits.nx.data() + k), my = hn::LoadU(df, hits.ny.data() + k);
       const V ax = hn::Sub(hn::Mul(c, mx), hn::Mul(s, my)), ay = hn::Add(hn::Mul(s, mx), hn::Mul(c, my));
       const V nx = GatherField(df, task.points, index, kNx), ny = GatherField(df, task.points, index, kNy);
-      const auto both = hn::And(hn::Gt(hn::Add(hn::Abs(mx), hn::Abs(my)), zero), hn::Gt(hn::Add(hn::Abs(nx), hn::Abs(ny)), zero));
+      const auto both =
+          hn::And(hn::Gt(hn::Add(hn::Abs(mx), hn::Abs(my)), zero), hn::Gt(hn::Add(hn::Abs(nx), hn::Abs(ny)), zero));
       const V cosine = hn::Add(hn::Mul(nx, ax), hn::Mul(ny, ay));
       const V facing = hn::Min(hn::Max(hn::Mul(hn::Sub(cosine, hn::Set(df, 0.4F)), hn::Set(df, 2.0F)), zero), one);
       const V agree = hn::IfThenElse(both, facing, hn::Set(df, 0.6F));
-      const V dx = hn::Sub(qx, GatherField(df, task.points, index, kLineX)), dy = hn::Sub(qy, GatherField(df, task.points, index, kLineY));
+      const V dx = hn::Sub(qx, GatherField(df, task.points, index, kLineX)),
+              dy = hn::Sub(qy, GatherField(df, task.points, index, kLineY));
       const V d = hn::Add(hn::Mul(dx, nx), hn::Mul(dy, ny));
-      const V reach = hn::Mul(half, hn::Add(GatherField(df, task.points, index, kLength), hn::LoadU(df, hits.length.data() + k)));
+      const V reach =
+          hn::Mul(half, hn::Add(GatherField(df, task.points, index, kLength), hn::LoadU(df, hits.length.data() + k)));
       const V along = hn::Max(zero, hn::Sub(hn::Abs(hn::Sub(hn::Mul(dy, nx), hn::Mul(dx, ny))), reach));
       const V across = hn::IfThenElse(both, hn::Add(hn::Mul(d, d), hn::Mul(along, along)), distance2);
       const V other_sigma = hn::GatherIndex(df, task.point_sigma, index);
@@ -86,16 +90,19 @@ void SumEvidence(EvidenceTask& task) {
     matched = hn::Add(matched, hn::Mul(weight, match));
     const V r = hn::Sqrt(hn::Add(hn::Mul(qx, qx), hn::Mul(qy, qy)));
     const V turns = DirectionTurns(df, qx, qy);
-    const auto bin = hn::Min(hn::ConvertTo(di, hn::Mul(turns, hn::Set(df, static_cast<float>(task.bins)))), hn::Set(di, task.bins - 1));
+    const auto bin = hn::Min(hn::ConvertTo(di, hn::Mul(turns, hn::Set(df, static_cast<float>(task.bins)))),
+                             hn::Set(di, task.bins - 1));
     const V ref_sigma = hn::Max(hn::Set(df, task.noise_floor), hn::Mul(hn::Set(df, task.noise_per_metre), r));
     const V margin = hn::Add(hn::Mul(hn::Set(df, 3.0F), hn::Max(sigma, ref_sigma)), slack);
     const V low = hn::GatherIndex(df, task.near_range, bin), high = hn::GatherIndex(df, task.far_range, bin);
     const V reach = hn::GatherIndex(df, task.empty_to, bin);
     const auto near_enough = hn::Ge(match, hn::Set(df, 0.8F));
     const auto seen = hn::Gt(high, zero);
-    const auto before = hn::And(hn::Lt(r, hn::Sub(low, margin)), seen), behind = hn::And(hn::Gt(r, hn::Add(high, margin)), seen);
+    const auto before = hn::And(hn::Lt(r, hn::Sub(low, margin)), seen),
+               behind = hn::And(hn::Gt(r, hn::Add(high, margin)), seen);
     const auto is_violation = hn::AndNot(near_enough, before), is_occluded = hn::AndNot(near_enough, behind);
-    const auto is_empty = hn::AndNot(hn::Or(near_enough, seen), hn::Lt(r, reach)), is_silent = hn::AndNot(hn::Or(near_enough, seen), hn::Ge(r, reach));
+    const auto is_empty = hn::AndNot(hn::Or(near_enough, seen), hn::Lt(r, reach)),
+               is_silent = hn::AndNot(hn::Or(near_enough, seen), hn::Ge(r, reach));
     const V violating = hn::IfThenElseZero(is_violation, rest), occluding = hn::IfThenElseZero(is_occluded, rest);
     const V emptying = hn::IfThenElseZero(is_empty, rest), silencing = hn::IfThenElseZero(is_silent, rest);
     violation = hn::Add(violation, violating);
@@ -121,14 +128,27 @@ HWY_EXPORT(SumEvidence);
 namespace {
 
 // Adds what `other` says of `hits`, seen at T_other_hits.
-void weigh_one_way(const PreparedScan& other, const SurfaceBatch& hits, const Pose2& T_other_hits, double slack_m, Evidence& sum) {
+void weigh_one_way(const PreparedScan& other, const SurfaceBatch& hits, const Pose2& T_other_hits, double slack_m,
+                   Evidence& sum) {
   if (other.size() == 0 || hits.count == 0) return;
   const SurfacePoints& surface = other.surface;
-  EvidenceTask task{other.nearest.view(), &surface.points.front().x, surface.sigma.data(), static_cast<int>(surface.size()) - 1,
-                    other.bearings.near_range.data(), other.bearings.far_range.data(), other.bearings.empty_to.data(),
-                    static_cast<int>(other.bearings.size()), surface.noise.floor_m, surface.noise.per_metre, &hits,
-                    static_cast<float>(std::cos(T_other_hits.theta)), static_cast<float>(std::sin(T_other_hits.theta)),
-                    static_cast<float>(T_other_hits.x), static_cast<float>(T_other_hits.y), static_cast<float>(slack_m), {}};
+  EvidenceTask task{other.nearest.view(),
+                    &surface.points.front().x,
+                    surface.sigma.data(),
+                    static_cast<int>(surface.size()) - 1,
+                    other.bearings.near_range.data(),
+                    other.bearings.far_range.data(),
+                    other.bearings.empty_to.data(),
+                    static_cast<int>(other.bearings.size()),
+                    surface.noise.floor_m,
+                    surface.noise.per_metre,
+                    &hits,
+                    static_cast<float>(std::cos(T_other_hits.theta)),
+                    static_cast<float>(std::sin(T_other_hits.theta)),
+                    static_cast<float>(T_other_hits.x),
+                    static_cast<float>(T_other_hits.y),
+                    static_cast<float>(slack_m),
+                    {}};
   HWY_DYNAMIC_DISPATCH(SumEvidence)(task);
   sum.matched += static_cast<double>(task.sums[0]);
   sum.violation += static_cast<double>(task.sums[1]);

@@ -40,10 +40,11 @@ void ImageStages::finish(ImageReference& reference, MatchTimes& ms) {
   clock.add_to(ms.rotation);
 }
 
-std::optional<double> ImageStages::rotation_from_missing(const ImageReference& reference, const Scan& scan, MatchTimes& ms) {
+std::optional<double> ImageStages::rotation_from_missing(const ImageReference& reference, const Scan& scan,
+                                                         MatchTimes& ms) {
   StageClock clock;
-  finder_.find(scan, options_.missing.beyond_dmax ? reference.grid.dmax_m : 0.0, deg_to_rad(options_.missing.min_width_deg),
-               scan_missing_);
+  finder_.find(scan, options_.missing.beyond_dmax ? reference.grid.dmax_m : 0.0,
+               deg_to_rad(options_.missing.min_width_deg), scan_missing_);
   const MissingRotation found = matcher_.match(reference.missing, scan_missing_, options_.missing);
   clock.add_to(ms.missing);
   return found.accepted ? std::optional<double>(found.theta) : std::nullopt;

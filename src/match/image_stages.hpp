@@ -45,7 +45,8 @@ class ImageStages {
   const std::vector<RotationCandidate>& rotations_from_spectrum(const ImageReference& reference, const ScanPoints& scan,
                                                                 MatchTimes& ms);
   /// Step 4: translation for a given rotation; with its twin the better of both.
-  ImageEstimate translate(const ImageReference& reference, const ScanPoints& scan, double theta, bool twin, MatchTimes& ms);
+  ImageEstimate translate(const ImageReference& reference, const ScanPoints& scan, double theta, bool twin,
+                          MatchTimes& ms);
 
  private:
   MatchOptions options_;

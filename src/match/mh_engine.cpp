@@ -18,7 +18,9 @@ struct MhReference final : Reference::Data {
 class MhEngine final : public MatchEngine {
  public:
   explicit MhEngine(const MatchOptions& options)
-      : options_(options), search_(options.match.fast ? options.mh.fast() : options.mh), own_(std::make_shared<MhReference>()) {}
+      : options_(options),
+        search_(options.match.fast ? options.mh.fast() : options.mh),
+        own_(std::make_shared<MhReference>()) {}
 
   MatchResult match(const Scan& reference, const Scan& scan, const MatchHints& hints) override {
     MatchTimes ms;
@@ -39,7 +41,8 @@ class MhEngine final : public MatchEngine {
   }
 
  private:
-  MatchResult match_prepared(const PreparedScan& reference, const Scan& scan, const MatchHints& hints, const MatchTimes& ms) {
+  MatchResult match_prepared(const PreparedScan& reference, const Scan& scan, const MatchHints& hints,
+                             const MatchTimes& ms) {
     MatchResult result;
     result.ms = ms;
     result.T_ref_scan = hints.guess.value_or(Pose2{});
@@ -71,11 +74,14 @@ class MhEngine final : public MatchEngine {
     for (std::size_t k = 1; k < outcome_.hypotheses.size(); ++k) {
       // Evidence decides between poses as the confidence does between right and wrong: by the margin.
       const double less = std::max(best.score - outcome_.hypotheses[k].score, 0.0);
-      result.alternatives.push_back({outcome_.hypotheses[k].T_ref_scan, *result.confidence * std::exp(-kMarginRate * less)});
+      result.alternatives.push_back(
+          {outcome_.hypotheses[k].T_ref_scan, *result.confidence * std::exp(-kMarginRate * less)});
     }
     const bool likely = *result.confidence > options_.match.min_confidence;
     result.usable = likely && !result.ambiguous;
-    result.status = result.ambiguous ? MatchStatus::kAmbiguous : likely ? MatchStatus::kConverged : MatchStatus::kLowConfidence;
+    result.status = result.ambiguous ? MatchStatus::kAmbiguous
+                    : likely         ? MatchStatus::kConverged
+                                     : MatchStatus::kLowConfidence;
     return result;
   }
 
@@ -91,6 +97,8 @@ class MhEngine final : public MatchEngine {
 
 }  // namespace
 
-std::unique_ptr<MatchEngine> make_mh_engine(const MatchOptions& options) { return std::make_unique<MhEngine>(options); }
+std::unique_ptr<MatchEngine> make_mh_engine(const MatchOptions& options) {
+  return std::make_unique<MhEngine>(options);
+}
 
 }  // namespace phasescan

@@ -11,10 +11,10 @@ namespace phasescan {
 namespace {
 
 constexpr int kWindow = CorrelationWindow::kWindow;
-constexpr int kPeakCells = 3;           // a second translation of one rotation is farther than this from the first
-constexpr double kTwinShare = 0.85;     // of the best coarse sum: worth a closer look
-constexpr int kSettleAttempts = 2;      // slides along the weakest direction that are followed
-constexpr double kWorthASlide = 0.01;   // by so much the score must be better there
+constexpr int kPeakCells = 3;          // a second translation of one rotation is farther than this from the first
+constexpr double kTwinShare = 0.85;    // of the best coarse sum: worth a closer look
+constexpr int kSettleAttempts = 2;     // slides along the weakest direction that are followed
+constexpr double kWorthASlide = 0.01;  // by so much the score must be better there
 // Lengths as shares of the scale (about 6 m for an RPLidar A1), from the coarse cell down.
 constexpr double kQuickGateStart = 0.075, kMiddleGateStart = 0.05, kFineGateStart = 0.04, kGateEnd = 0.035;
 constexpr double kQuickSlack = 0.01, kFineSlack = 0.0015;
@@ -30,7 +30,9 @@ Pose2 shifted(const Pose2& centre, const ScoreTable& table, const CorrelationPea
   return {centre.x + cell * (peak.column - kWindow / 2), centre.y + cell * (peak.row - kWindow / 2), centre.theta};
 }
 
-bool better(const Hypothesis& a, const Hypothesis& b) { return a.score > b.score; }
+bool better(const Hypothesis& a, const Hypothesis& b) {
+  return a.score > b.score;
+}
 
 Eigen::Vector2d weakest_direction(const Eigen::Matrix3d& information) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
@@ -60,7 +62,8 @@ PrepareOptions MultiHypothesisSearch::prepare_options(bool reference) const {
 // Fills window_ for translations around `centre`; returns what points outside of the table add to every sum.
 int MultiHypothesisSearch::correlate(const PreparedScan& reference, const PreparedScan& scan, const Pose2& centre) {
   const ScoreTable& table = reference.table;
-  const auto frame_low = static_cast<float>(kWindow / 2), frame_high = static_cast<float>(ScoreTable::kStride - kWindow / 2);
+  const auto frame_low = static_cast<float>(kWindow / 2),
+             frame_high = static_cast<float>(ScoreTable::kStride - kWindow / 2);
   const auto c = static_cast<float>(std::cos(centre.theta)), s = static_cast<float>(std::sin(centre.theta));
   const auto tx = static_cast<float>(centre.x), ty = static_cast<float>(centre.y);
   offsets_.clear();
@@ -74,7 +77,8 @@ int MultiHypothesisSearch::correlate(const PreparedScan& reference, const Prepar
   return table.values().unknown * static_cast<int>(scan.sparse.count - offsets_.size());
 }
 
-void MultiHypothesisSearch::sweep(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess) {
+void MultiHypothesisSearch::sweep(const PreparedScan& reference, const PreparedScan& scan,
+                                  const std::optional<Pose2>& guess) {
   coarse_.clear();
   const Pose2 centre = guess.value_or(Pose2{});
   for (const RotationHypothesis& rotation : rotation_list_) {
@@ -89,20 +93,24 @@ void MultiHypothesisSearch::sweep(const PreparedScan& reference, const PreparedS
 
 // Best first, without those that a better neighbour stands for.
 void MultiHypothesisSearch::thin(const PreparedScan& reference) {
-  std::stable_sort(coarse_.begin(), coarse_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.coarse > b.coarse; });
+  std::stable_sort(coarse_.begin(), coarse_.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.coarse > b.coarse; });
   kept_.clear();
   const double near_m = 2.5 * static_cast<double>(reference.table.cell());
   const double near_rad = deg_to_rad(1.2 * options_.sweep_step_deg);
   for (const Hypothesis& h : coarse_) {
     if (h.coarse < options_.coarse_share * coarse_.front().coarse) break;
-    const bool known = std::any_of(kept_.begin(), kept_.end(), [&](const Hypothesis& k) { return same_pose(h.T_ref_scan, k.T_ref_scan, near_m, near_rad); });
+    const bool known = std::any_of(kept_.begin(), kept_.end(), [&](const Hypothesis& k) {
+      return same_pose(h.T_ref_scan, k.T_ref_scan, near_m, near_rad);
+    });
     if (known) continue;
     kept_.push_back(h);
     if (kept_.size() >= static_cast<std::size_t>(options_.candidates)) break;
   }
 }
 
-void MultiHypothesisSearch::refine_quickly(const PreparedScan& reference, const PreparedScan& scan, Hypothesis& hypothesis) const {
+void MultiHypothesisSearch::refine_quickly(const PreparedScan& reference, const PreparedScan& scan,
+                                           Hypothesis& hypothesis) const {
   PointToLineOptions quick;
   quick.gate_start_m = kQuickGateStart * reference.scale_m;
   quick.gate_end_m = kGateEnd * reference.scale_m;
@@ -110,9 +118,11 @@ void MultiHypothesisSearch::refine_quickly(const PreparedScan& reference, const 
   quick.stop_m = 1e-3 * reference.scale_m;
   quick.stop_rad = 1e-3;
   hypothesis.T_ref_scan =
-      refine_point_to_line(reference.model(), scan.model(), hypothesis.T_ref_scan, quick, scan.sparse, nullptr).T_ref_scan;
-  hypothesis.score =
-      weigh_evidence(reference, scan, reference.sparse, scan.sparse, hypothesis.T_ref_scan, kQuickSlack * reference.scale_m).score(weights_);
+      refine_point_to_line(reference.model(), scan.model(), hypothesis.T_ref_scan, quick, scan.sparse, nullptr)
+          .T_ref_scan;
+  hypothesis.score = weigh_evidence(reference, scan, reference.sparse, scan.sparse, hypothesis.T_ref_scan,
+                                    kQuickSlack * reference.scale_m)
+                         .score(weights_);
 }
 
 void MultiHypothesisSearch::refine_candidates(const PreparedScan& reference, const PreparedScan& scan) {
@@ -120,14 +130,17 @@ void MultiHypothesisSearch::refine_candidates(const PreparedScan& reference, con
   std::stable_sort(kept_.begin(), kept_.end(), better);
 }
 
-// A room that looks the same after a quarter or half turn explains the scan at a place that may lie far outside the window:
-// looked for there, so that the answer can say so.
+// A room that looks the same after a quarter or half turn explains the scan at a place that may lie far outside the
+// window: looked for there, so that the answer can say so.
 void MultiHypothesisSearch::add_twins(const PreparedScan& reference, const PreparedScan& scan) {
-  const int best_coarse = std::max_element(kept_.begin(), kept_.end(), [](const auto& a, const auto& b) { return a.coarse < b.coarse; })->coarse;
+  const int best_coarse = std::max_element(kept_.begin(), kept_.end(), [](const auto& a, const auto& b) {
+                            return a.coarse < b.coarse;
+                          })->coarse;
   const double theta = kept_.front().T_ref_scan.theta;
   const double reach = 0.5 * kWindow * static_cast<double>(reference.table.cell());
   for (const double turn : {0.5 * kPi, kPi, -0.5 * kPi}) {
-    for (const auto& [x, y] : {std::pair{-reach, -reach}, std::pair{reach, -reach}, std::pair{-reach, reach}, std::pair{reach, reach}}) {
+    for (const auto& [x, y] :
+         {std::pair{-reach, -reach}, std::pair{reach, -reach}, std::pair{-reach, reach}, std::pair{reach, reach}}) {
       const Pose2 at{x, y, wrap_angle(theta + turn)};
       const int outside = correlate(reference, scan, at);
       const CorrelationPeak peak = highest_peak(window_);
@@ -139,28 +152,36 @@ void MultiHypothesisSearch::add_twins(const PreparedScan& reference, const Prepa
   }
 }
 
-void MultiHypothesisSearch::sort_distinct(std::vector<Hypothesis>& all, double scale_m, std::vector<Hypothesis>& distinct) {
+void MultiHypothesisSearch::sort_distinct(std::vector<Hypothesis>& all, double scale_m,
+                                          std::vector<Hypothesis>& distinct) {
   std::stable_sort(all.begin(), all.end(), better);
   distinct.clear();
   const double metres = std::max(kDistinct * scale_m, kDistinctLeast_m), radians = deg_to_rad(kDistinctTurn_deg);
   for (const Hypothesis& h : all) {
-    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Hypothesis& k) { return same_pose(h.T_ref_scan, k.T_ref_scan, metres, radians); });
+    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Hypothesis& k) {
+      return same_pose(h.T_ref_scan, k.T_ref_scan, metres, radians);
+    });
     if (!known) distinct.push_back(h);
   }
 }
 
-void MultiHypothesisSearch::refine_finalists(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out) {
+void MultiHypothesisSearch::refine_finalists(const PreparedScan& reference, const PreparedScan& scan,
+                                             SearchOutcome& out) {
   const double scale = reference.scale_m;
   sort_distinct(kept_, scale, out.hypotheses);
-  if (out.hypotheses.size() > static_cast<std::size_t>(options_.finalists)) out.hypotheses.resize(static_cast<std::size_t>(options_.finalists));
+  if (out.hypotheses.size() > static_cast<std::size_t>(options_.finalists))
+    out.hypotheses.resize(static_cast<std::size_t>(options_.finalists));
   PointToLineOptions middle;
   middle.gate_start_m = kMiddleGateStart * scale;
   middle.gate_end_m = kGateEnd * scale;
   middle.max_iterations = 3;
   kept_ = out.hypotheses;
   for (Hypothesis& h : kept_) {
-    h.T_ref_scan = refine_point_to_line(reference.model(), scan.model(), h.T_ref_scan, middle, scan.middle, &reference.middle).T_ref_scan;
-    h.score = weigh_evidence(reference, scan, reference.middle, scan.middle, h.T_ref_scan, kFineSlack * scale).score(weights_);
+    h.T_ref_scan =
+        refine_point_to_line(reference.model(), scan.model(), h.T_ref_scan, middle, scan.middle, &reference.middle)
+            .T_ref_scan;
+    h.score = weigh_evidence(reference, scan, reference.middle, scan.middle, h.T_ref_scan, kFineSlack * scale)
+                  .score(weights_);
   }
   sort_distinct(kept_, scale, out.hypotheses);
 }
@@ -174,7 +195,9 @@ void MultiHypothesisSearch::settle(const PreparedScan& reference, const Prepared
   fine.max_iterations = options_.fine_refinement ? 3 : 2;
   const SurfaceBatch& of_scan = options_.fine_refinement ? scan.all : scan.middle;
   const SurfaceBatch& of_ref = options_.fine_refinement ? reference.all : reference.middle;
-  const auto weigh = [&](const Pose2& pose) { return weigh_evidence(reference, scan, reference.middle, scan.middle, pose, kFineSlack * scale); };
+  const auto weigh = [&](const Pose2& pose) {
+    return weigh_evidence(reference, scan, reference.middle, scan.middle, pose, kFineSlack * scale);
+  };
   for (int attempt = 0; attempt < kSettleAttempts; ++attempt) {
     out.refined = refine_point_to_line(reference.model(), scan.model(), best.T_ref_scan, fine, of_scan, &of_ref);
     best.T_ref_scan = out.refined.T_ref_scan;
@@ -200,14 +223,16 @@ void MultiHypothesisSearch::settle(const PreparedScan& reference, const Prepared
   }
   out.margin = best.score + 2.0;
   for (std::size_t k = 1; k < out.hypotheses.size(); ++k) {
-    if (same_pose(out.hypotheses[k].T_ref_scan, best.T_ref_scan, std::max(kDistinct * scale, kDistinctLeast_m), deg_to_rad(kDistinctTurn_deg))) continue;
+    if (same_pose(out.hypotheses[k].T_ref_scan, best.T_ref_scan, std::max(kDistinct * scale, kDistinctLeast_m),
+                  deg_to_rad(kDistinctTurn_deg)))
+      continue;
     out.margin = best.score - out.hypotheses[k].score;
     break;
   }
 }
 
-void MultiHypothesisSearch::run(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
-                                SearchOutcome& out, SearchTimes* times) {
+void MultiHypothesisSearch::run(const PreparedScan& reference, const PreparedScan& scan,
+                                const std::optional<Pose2>& guess, SearchOutcome& out, SearchTimes* times) {
   out.hypotheses.clear();
   out.margin = out.profile = 0.0;
   out.refined = {};

@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kLeastScale_m = 0.2, kFixedScale_m = 6.3;
 
-// Picks about `count` hits so that equal lengths of surface lie between them: a near wall has many beams but no more to say.
+// Picks about `count` hits so that equal lengths of surface lie between them: a near wall has many beams but no more to
+// say.
 void sample_evenly(const SurfacePoints& surface, int count, std::vector<int>& out) {
   out.clear();
   const std::size_t n = surface.size();
@@ -32,17 +33,19 @@ void sample_evenly(const SurfacePoints& surface, int count, std::vector<int>& ou
 
 }  // namespace
 
-void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& options, PrepareWorkspace& work, PreparedScan& out) {
+void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& options, PrepareWorkspace& work,
+                  PreparedScan& out) {
   find_surface(scan, twist, work.surface, out.surface);
   out.range_max_m = scan.effective_range_max();
-  fill_bearing_table(scan, out.surface, work.surface, twist.omega * scan.time_increment, options.min_empty_run_rad, work.bearings,
-                     out.bearings);
+  fill_bearing_table(scan, out.surface, work.surface, twist.omega * scan.time_increment, options.min_empty_run_rad,
+                     work.bearings, out.bearings);
   // The table must hold translations as long as people move between scans, yet keep its cells small in small places.
   const double extent = out.surface.extent;
   out.scale_m = std::max(1.05 * extent, std::min(3.2, 2.2 * extent));
   out.scale_m = options.adaptive_scale ? std::max(out.scale_m, kLeastScale_m) : kFixedScale_m;
   const auto half_width = static_cast<float>(out.scale_m);
-  out.nearest.build(out.surface.points, std::max(half_width, static_cast<float>(std::min(1.5 * out.scale_m, 1.05 * out.range_max_m))),
+  out.nearest.build(out.surface.points,
+                    std::max(half_width, static_cast<float>(std::min(1.5 * out.scale_m, 1.05 * out.range_max_m))),
                     half_width / 50.0F);
   fill_normal_histogram(out.surface, out.normals);
   sample_evenly(out.surface, options.sparse_points, work.indices);

@@ -13,7 +13,8 @@ std::span<const std::string_view> enum_names<MatchStatus>() {
 
 template <>
 std::span<const std::string_view> enum_names<RotationSource>() {
-  static constexpr std::array<std::string_view, 6> kNames{"none", "guess", "missing-data", "spectrum", "normals", "sweep"};
+  static constexpr std::array<std::string_view, 6> kNames{"none",     "guess",   "missing-data",
+                                                          "spectrum", "normals", "sweep"};
   return kNames;
 }
 

@@ -14,7 +14,9 @@ namespace phasescan {
 // The paper's way: images, spectra, correlation of their rings; both of each peak's twins.
 struct RotationHypotheses::Spectral {
   explicit Spectral(int peak_count)
-      : rasterizer(image.blur_px, image.connect_m), transform(image.size, options.window), rotation(image.size, options, with_peaks(peak_count)) {}
+      : rasterizer(image.blur_px, image.connect_m),
+        transform(image.size, options.window),
+        rotation(image.size, options, with_peaks(peak_count)) {}
 
   static RotationOptions with_peaks(int count) {
     RotationOptions rotation_options;
@@ -59,8 +61,8 @@ void RotationHypotheses::all(double centre, int steps_each_side, std::vector<Rot
   for (int k = from; k <= to; ++k) out.push_back({wrap_angle(centre + kTwoPi * k / steps), RotationSource::kSweep});
 }
 
-void RotationHypotheses::list(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
-                              std::vector<RotationHypothesis>& out) {
+void RotationHypotheses::list(const PreparedScan& reference, const PreparedScan& scan,
+                              const std::optional<Pose2>& guess, std::vector<RotationHypothesis>& out) {
   out.clear();
   if (guess) {
     all(guess->theta, static_cast<int>(std::ceil(options_.guess_turn_deg / options_.sweep_step_deg)), out);
@@ -70,7 +72,8 @@ void RotationHypotheses::list(const PreparedScan& reference, const PreparedScan&
   if (options_.rotations == RotationSearch::kNormals) {
     NormalCorrelation correlation;
     correlate_normals(reference.normals, scan.normals, correlation);
-    for (const double theta : normal_peaks(correlation, options_.rotation_peaks)) out.push_back({theta, RotationSource::kNormals});
+    for (const double theta : normal_peaks(correlation, options_.rotation_peaks))
+      out.push_back({theta, RotationSource::kNormals});
   } else if (options_.rotations == RotationSearch::kMissing) {
     const MissingRotation rotation = MissingMatcher().match(reference.missing, scan.missing, MissingOptions{});
     if (rotation.accepted) {

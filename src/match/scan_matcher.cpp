@@ -85,7 +85,9 @@ MatchResult ScanMatcher::match(const Reference& reference, const Scan& scan, con
   return impl_->timed([&] { return impl_->engine->match(reference.data(), scan, hints); });
 }
 
-const MatchOptions& ScanMatcher::options() const { return impl_->options; }
+const MatchOptions& ScanMatcher::options() const {
+  return impl_->options;
+}
 
 MatchResult match_scans(const Scan& reference, const Scan& scan, const MatchOptions& options, const MatchHints& hints) {
   return ScanMatcher(options).match(reference, scan, hints);

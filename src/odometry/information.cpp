@@ -6,7 +6,8 @@
 namespace phasescan {
 namespace {
 
-constexpr double kNormalNoise = 0.01;  // variance of the normals [rad^2]: the share of information they leak along a surface
+constexpr double kNormalNoise =
+    0.01;  // variance of the normals [rad^2]: the share of information they leak along a surface
 
 }  // namespace
 

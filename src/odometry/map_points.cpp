@@ -6,8 +6,8 @@
 namespace phasescan {
 namespace {
 
-constexpr float kLoneSigma = 0.03F;   // [m] of a hit without a line
-constexpr float kModelSigma = 0.003F; // [m] walls are not lines and beams are not points
+constexpr float kLoneSigma = 0.03F;    // [m] of a hit without a line
+constexpr float kModelSigma = 0.003F;  // [m] walls are not lines and beams are not points
 
 }  // namespace
 
@@ -26,7 +26,8 @@ void MapPoints::clear() {
 void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double max_range_m, MapPoints& out) {
   out.clear();
   for (auto* v : {&out.x, &out.y, &out.nx, &out.ny, &out.variance}) v->reserve(surface.size());
-  const auto c = static_cast<float>(std::cos(mount.T_base_laser.theta)), s = static_cast<float>(std::sin(mount.T_base_laser.theta));
+  const auto c = static_cast<float>(std::cos(mount.T_base_laser.theta)),
+             s = static_cast<float>(std::sin(mount.T_base_laser.theta));
   const auto tx = static_cast<float>(mount.T_base_laser.x), ty = static_cast<float>(mount.T_base_laser.y);
   const float side = mount.flipped ? -1.0F : 1.0F;
   const auto limit = static_cast<float>(max_range_m), spacing = static_cast<float>(surface.spacing);

@@ -11,16 +11,17 @@
 namespace phasescan {
 namespace {
 
-constexpr std::size_t kProbePoints = 64;      // points of the quick look that chooses among predictions
+constexpr std::size_t kProbePoints = 64;  // points of the quick look that chooses among predictions
 constexpr double kStillM = 0.006, kStillRad = 0.003;
-constexpr double kMinUsualShare = 0.75;       // a prediction that explains less than this of what is usual is widened
-constexpr std::size_t kFinalPoints = 150;     // points that judge a finished match
-constexpr double kMinFinalShare = 0.85;       // a match that explains less than this of what is usual is doubted
-constexpr double kClearlyBetter = 0.04;       // by so much of its score another pose must be better to be taken instead
-constexpr double kSlow = 0.95;                // weight of the past in what is usual
+constexpr double kMinUsualShare = 0.75;    // a prediction that explains less than this of what is usual is widened
+constexpr std::size_t kFinalPoints = 150;  // points that judge a finished match
+constexpr double kMinFinalShare = 0.85;    // a match that explains less than this of what is usual is doubted
+constexpr double kClearlyBetter = 0.04;    // by so much of its score another pose must be better to be taken instead
+constexpr double kSlow = 0.95;             // weight of the past in what is usual
 constexpr std::size_t kMinPoints = 12;
-constexpr double kLeastTrust = 0.6;            // wheels that agreed less often lately are not heard
-constexpr double kContradiction = 11.3;       // squared Mahalanobis distance (99 %) beyond which a step of the wheels is outvoted
+constexpr double kLeastTrust = 0.6;  // wheels that agreed less often lately are not heard
+constexpr double kContradiction =
+    11.3;  // squared Mahalanobis distance (99 %) beyond which a step of the wheels is outvoted
 constexpr double kChangeM = 0.025, kChangeRad = 0.06;  // how much the motion per scan changes from one to the next
 const Eigen::Vector3d kUnknownStep(0.05 * 0.05, 0.05 * 0.05, 0.1 * 0.1);
 
@@ -31,7 +32,9 @@ Pose2 scaled(const Pose2& step, double factor) {
 
 }  // namespace
 
-Odometry::Odometry(const OdometryOptions& options) : options_(options) { validate_options("odometry", options_); }
+Odometry::Odometry(const OdometryOptions& options) : options_(options) {
+  validate_options("odometry", options_);
+}
 
 void Odometry::extract(const Scan& scan, const LaserMount& mount, const Twist2& twist, double duration_s) {
   const Twist2 used = options_.deskew && duration_s > 0.0 ? twist : Twist2{};
@@ -103,7 +106,8 @@ Pose2 Odometry::hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::
   return moved * Pose2{shift.x(), shift.y(), shift.z()};
 }
 
-Eigen::Matrix3d Odometry::grow_information(const Eigen::Matrix3d& matched, const Eigen::Matrix3d& known, const Pose2& moved) {
+Eigen::Matrix3d Odometry::grow_information(const Eigen::Matrix3d& matched, const Eigen::Matrix3d& known,
+                                           const Pose2& moved) {
   // Where the match sees, it sees relative to the map; where it does not, every step adds its own doubt.
   const Eigen::Matrix3d only_step = known - matched;
   Eigen::Matrix3d doubt = rotate_information(since_keyframe_, -moved.theta);
@@ -189,13 +193,15 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   Pose2 moved = predicted;
   if (step.tracked) {
     moved = (T_map_odom * T_odom_mid_).inverse() * found.T_map_base;
-    Eigen::Matrix3d known = believed_information(rotate_information(found.information, -found.T_map_base.theta)) + kMatchTrust * rotate_information(prior.information, -found.T_map_base.theta);
+    Eigen::Matrix3d known = believed_information(rotate_information(found.information, -found.T_map_base.theta)) +
+                            kMatchTrust * rotate_information(prior.information, -found.T_map_base.theta);
     if (wheel_step) {
       step.wheels = wheels_.judge(*wheel_step, moved);
       moved = hear_wheels(moved, *wheel_step, known);
     }
     step_covariance_ = known.inverse() / (timing.periods * timing.periods);
-    step.information = grow_information(believed_information(rotate_information(found.information, -found.T_map_base.theta)), known, moved);
+    step.information = grow_information(
+        believed_information(rotate_information(found.information, -found.T_map_base.theta)), known, moved);
     untracked_ = 0;
     usual_score_ = kSlow * usual_score_ + (1.0 - kSlow) * std::max(score, 0.0);
     step_ = scaled(moved, 1.0 / timing.periods);
@@ -217,7 +223,8 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   hold_still(step);
   T_odom_mid_ = step.T_odom_mid;
   step.twist = twist_;
-  // The stamp lies half a turn before the middle: between the last middle and this one where turns follow each other closely.
+  // The stamp lies half a turn before the middle: between the last middle and this one where turns follow each other
+  // closely.
   if (timing.duration_s > 0.0 && seconds > 0.0) {
     const double back = std::clamp(0.5 * timing.duration_s / seconds, 0.0, 1.0);
     step.T_odom_stamp = T_odom_before * scaled(T_odom_before.inverse() * T_odom_mid_, 1.0 - back);

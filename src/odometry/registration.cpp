@@ -74,8 +74,8 @@ Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, dou
 
 }  // namespace
 
-Registration register_points(const LocalMap& map, const MapPoints& points, const Pose2& guess, const RegistrationOptions& options,
-                             const std::optional<PosePrior>& prior) {
+Registration register_points(const LocalMap& map, const MapPoints& points, const Pose2& guess,
+                             const RegistrationOptions& options, const std::optional<PosePrior>& prior) {
   Registration result;
   result.T_map_base = guess;
   if (map.empty() || points.with_normal == 0) return result;
@@ -108,10 +108,12 @@ Registration register_points(const LocalMap& map, const MapPoints& points, const
       break;
     }
     // The gate follows the error: far off it stays wide for a while.
-    if (std::hypot(step.x(), step.y()) + 2.0 * std::abs(step.z()) < 0.5 * gate) gate = std::max(options.gate_end_m, 0.6 * gate);
+    if (std::hypot(step.x(), step.y()) + 2.0 * std::abs(step.z()) < 0.5 * gate)
+      gate = std::max(options.gate_end_m, 0.6 * gate);
   }
   result.information = pass.H;
-  result.overlap = static_cast<double>(pass.partners) / static_cast<double>(std::max<std::size_t>(points.with_normal, 1));
+  result.overlap =
+      static_cast<double>(pass.partners) / static_cast<double>(std::max<std::size_t>(points.with_normal, 1));
   result.residual_m = pass.partners > 0 ? std::sqrt(pass.squares / pass.partners) : 0.0;
   if (!result.T_map_base.is_finite()) {
     result = {};
@@ -139,18 +141,22 @@ double pose_score(const LocalMap& map, const MapPoints& points, const Pose2& T, 
   return count > 0 ? static_cast<double>(sum) / static_cast<double>(count) : 0.0;
 }
 
-Pose2 search_lattice(const LocalMap& map, const MapPoints& points, const Pose2& centre, const LatticeSearch& lattice, double* best_score) {
+Pose2 search_lattice(const LocalMap& map, const MapPoints& points, const Pose2& centre, const LatticeSearch& lattice,
+                     double* best_score) {
   const std::size_t stride = std::max<std::size_t>(1, points.size() / std::max<std::size_t>(lattice.points, 1));
-  const int turns = static_cast<int>(lattice.half_angle_rad / lattice.step_rad), shifts = static_cast<int>(lattice.half_width_m / lattice.step_m);
+  const int turns = static_cast<int>(lattice.half_angle_rad / lattice.step_rad),
+            shifts = static_cast<int>(lattice.half_width_m / lattice.step_m);
   Pose2 best = centre;
   double best_value = -1.0, best_value_biased = -1.0;
   for (int a = -turns; a <= turns; ++a) {
     for (int i = -shifts; i <= shifts; ++i) {
       for (int k = -shifts; k <= shifts; ++k) {
-        const Pose2 pose{centre.x + i * lattice.step_m, centre.y + k * lattice.step_m, wrap_angle(centre.theta + a * lattice.step_rad)};
+        const Pose2 pose{centre.x + i * lattice.step_m, centre.y + k * lattice.step_m,
+                         wrap_angle(centre.theta + a * lattice.step_rad)};
         const double value = pose_score(map, points, pose, stride);
         // Among poses that explain as much, the nearer one.
-        const double far = std::hypot(i, k) / std::max(1, shifts) + std::abs(a) / static_cast<double>(std::max(1, turns));
+        const double far =
+            std::hypot(i, k) / std::max(1, shifts) + std::abs(a) / static_cast<double>(std::max(1, turns));
         const double biased = value - 0.03 * far;
         if (biased > best_value_biased) best_value_biased = biased, best_value = value, best = pose;
       }

@@ -43,7 +43,8 @@ ScanTiming ScanClock::add(const Scan& scan) {
   if (scan.size() > 1) {
     const double duration = std::abs(scan.time_increment) * static_cast<double>(scan.size() - 1);
     // A turn that lasts longer than the time between turns is a wrong header.
-    if (std::isfinite(duration) && (period_s_ == 0.0 ? duration < 2.0 : duration < 1.2 * period_s_)) timing.duration_s = duration;
+    if (std::isfinite(duration) && (period_s_ == 0.0 ? duration < 2.0 : duration < 1.2 * period_s_))
+      timing.duration_s = duration;
   }
   return timing;
 }

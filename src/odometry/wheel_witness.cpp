@@ -32,7 +32,8 @@ WheelVerdict WheelWitness::judge(const Pose2& wheel_step, const Pose2& found_ste
   const double allowed_m = 0.03 + 0.25 * distance, allowed_rad = 0.03 + 0.25 * std::abs(found_step.theta);
   const double off = std::hypot(wheel_step.x - found_step.x, wheel_step.y - found_step.y);
   const double off_mirrored = std::hypot(wheel_step.x + found_step.x, wheel_step.y + found_step.y);
-  const bool distance_right = off < allowed_m, turn_right = std::abs(wrap_angle(wheel_step.theta - found_step.theta)) < allowed_rad;
+  const bool distance_right = off < allowed_m,
+             turn_right = std::abs(wrap_angle(wheel_step.theta - found_step.theta)) < allowed_rad;
   trust_distance_ = kMemory * trust_distance_ + (distance_right ? 1.0 - kMemory : 0.0);
   trust_turn_ = kMemory * trust_turn_ + (turn_right ? 1.0 - kMemory : 0.0);
   if (distance_right && turn_right) {

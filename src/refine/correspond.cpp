@@ -22,7 +22,8 @@ struct PointCloud {
   }
 };
 
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointCloud>, PointCloud, 2, std::uint32_t>;
+using Tree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PointCloud>, PointCloud, 2, std::uint32_t>;
 
 }  // namespace
 
@@ -44,9 +45,15 @@ void PointIndex::build(const ScanPoints& points) {
   impl_->tree = std::make_unique<Tree>(2, impl_->cloud, nanoflann::KDTreeSingleIndexAdaptorParams(8));
 }
 
-std::size_t PointIndex::size() const { return impl_->cloud.x.size(); }
-float PointIndex::x(int index) const { return impl_->cloud.x[static_cast<std::size_t>(index)]; }
-float PointIndex::y(int index) const { return impl_->cloud.y[static_cast<std::size_t>(index)]; }
+std::size_t PointIndex::size() const {
+  return impl_->cloud.x.size();
+}
+float PointIndex::x(int index) const {
+  return impl_->cloud.x[static_cast<std::size_t>(index)];
+}
+float PointIndex::y(int index) const {
+  return impl_->cloud.y[static_cast<std::size_t>(index)];
+}
 
 NearestPair PointIndex::nearest(float x, float y) const {
   constexpr float kFar = std::numeric_limits<float>::infinity();

@@ -28,14 +28,16 @@ HWY_INLINE hn::Vec<DF> GatherField(DF df, const float* points, VI index, int fie
 
 // Index of the nearest of the grid's answer and its two neighbours on either side; `found` says where there is one.
 template <class DF, class VF = hn::Vec<DF>, class VI = hn::Vec<hn::RebindToSigned<DF>>, class M = hn::Mask<DF>>
-HWY_INLINE VI FindNearest(DF df, const NearestGrid::View& grid, const float* points, int last, VF qx, VF qy, M& found, VF& distance2) {
+HWY_INLINE VI FindNearest(DF df, const NearestGrid::View& grid, const float* points, int last, VF qx, VF qy, M& found,
+                          VF& distance2) {
   const hn::RebindToSigned<DF> di;
   const VF zero = hn::Zero(df), top = hn::Set(df, grid.limit - 1.0F);
   const VF u = hn::Mul(hn::Add(qx, hn::Set(df, grid.offset)), hn::Set(df, grid.inverse_cell));
   const VF v = hn::Mul(hn::Add(qy, hn::Set(df, grid.offset)), hn::Set(df, grid.inverse_cell));
   const VF uc = hn::Min(hn::Max(u, zero), top), vc = hn::Min(hn::Max(v, zero), top);
   const auto inside = hn::And(hn::And(hn::Ge(u, zero), hn::Ge(v, zero)), hn::And(hn::Le(u, top), hn::Le(v, top)));
-  const VI cell = hn::Add(hn::Mul(hn::ConvertTo(di, vc), hn::Set(di, static_cast<int>(grid.stride))), hn::ConvertTo(di, uc));
+  const VI cell =
+      hn::Add(hn::Mul(hn::ConvertTo(di, vc), hn::Set(di, static_cast<int>(grid.stride))), hn::ConvertTo(di, uc));
   const VI key = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(grid.keys), cell);
   const VI near = hn::Sub(hn::And(key, hn::Set(di, static_cast<int>(NearestGrid::kIndexMask))), hn::Set(di, 1));
   const VI low = hn::Zero(di), high = hn::Set(di, last);

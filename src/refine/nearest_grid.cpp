@@ -10,8 +10,8 @@ namespace phasescan {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// For each cell (given by its corner in the padded grid) and point index: the minimum of what is there and the key of that
-// point, over the square of 2 reach + 1 cells (the eighth lane lies outside the reach and gets the largest key).
+// For each cell (given by its corner in the padded grid) and point index: the minimum of what is there and the key of
+// that point, over the square of 2 reach + 1 cells (the eighth lane lies outside the reach and gets the largest key).
 void SpreadKeys(const std::uint32_t* HWY_RESTRICT corner, const std::uint32_t* HWY_RESTRICT index, std::size_t count,
                 std::size_t stride, const std::uint32_t* HWY_RESTRICT pattern, std::uint32_t* HWY_RESTRICT keys) {
   const hn::CappedTag<std::uint32_t, 8> d;
@@ -49,7 +49,8 @@ std::array<std::uint32_t, 56> make_pattern() {
   std::array<std::uint32_t, 56> pattern{};
   for (int r = -kReach; r <= kReach; ++r) {
     for (int c = -kReach; c <= kReach + 1; ++c) {
-      pattern[static_cast<std::size_t>((r + kReach) * 8 + c + kReach)] = c > kReach ? kNone : static_cast<std::uint32_t>(r * r + c * c) << 25;
+      pattern[static_cast<std::size_t>((r + kReach) * 8 + c + kReach)] =
+          c > kReach ? kNone : static_cast<std::uint32_t>(r * r + c * c) << 25;
     }
   }
   return pattern;
@@ -63,22 +64,26 @@ void NearestGrid::build(std::span<const SurfacePoint> points, float half_width, 
   const int inner = 2 * static_cast<int>(std::ceil(half_width / cell)) + 2;
   const int n = inner + 2 * kReach + 2;
   const auto stride = static_cast<std::size_t>(n);
-  view_ = {nullptr, 0.5F * static_cast<float>(n) * cell, 1.0F / cell, static_cast<float>(n), static_cast<std::uint32_t>(n)};
+  view_ = {nullptr, 0.5F * static_cast<float>(n) * cell, 1.0F / cell, static_cast<float>(n),
+           static_cast<std::uint32_t>(n)};
   keys_.assign(stride * stride + 8, kNone);
   corners.clear();
   indices.clear();
   std::uint32_t last = ~0U;
   const float low = static_cast<float>(kReach), high = static_cast<float>(n - kReach - 1);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const float u = (points[i].x + view_.offset) * view_.inverse_cell, v = (points[i].y + view_.offset) * view_.inverse_cell;
+    const float u = (points[i].x + view_.offset) * view_.inverse_cell,
+                v = (points[i].y + view_.offset) * view_.inverse_cell;
     if (!(u >= low && v >= low && u < high && v < high)) continue;
-    const auto corner = (static_cast<std::uint32_t>(v) - kReach) * view_.stride + static_cast<std::uint32_t>(u) - kReach;
+    const auto corner =
+        (static_cast<std::uint32_t>(v) - kReach) * view_.stride + static_cast<std::uint32_t>(u) - kReach;
     if (corner == last) continue;
     last = corner;
     corners.push_back(corner);
     indices.push_back(static_cast<std::uint32_t>(i + 1));
   }
-  HWY_DYNAMIC_DISPATCH(SpreadKeys)(corners.data(), indices.data(), corners.size(), stride, kPattern.data(), keys_.data());
+  HWY_DYNAMIC_DISPATCH(SpreadKeys)
+  (corners.data(), indices.data(), corners.size(), stride, kPattern.data(), keys_.data());
 }
 
 }  // namespace phasescan

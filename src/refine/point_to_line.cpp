@@ -7,7 +7,8 @@
 namespace phasescan {
 
 PointToLineResult refine_point_to_line(const SurfaceModel& reference, const SurfaceModel& scan, const Pose2& guess,
-                                       const PointToLineOptions& options, const SurfaceBatch& of_scan, const SurfaceBatch* of_ref) {
+                                       const PointToLineOptions& options, const SurfaceBatch& of_scan,
+                                       const SurfaceBatch* of_ref) {
   PointToLineResult result;
   result.T_ref_scan = guess;
   double gate = options.gate_start_m;
@@ -18,8 +19,8 @@ PointToLineResult refine_point_to_line(const SurfaceModel& reference, const Surf
     equations = point_to_line_equations(reference, of_scan, result.T_ref_scan, partner_gate);
     result.partners = equations.partners;
     if (of_ref != nullptr) {
-      const NormalEquations back =
-          about_inverse(point_to_line_equations(scan, *of_ref, result.T_ref_scan.inverse(), partner_gate), result.T_ref_scan);
+      const NormalEquations back = about_inverse(
+          point_to_line_equations(scan, *of_ref, result.T_ref_scan.inverse(), partner_gate), result.T_ref_scan);
       equations.H += back.H;
       equations.g += back.g;
       equations.normal_noise += back.normal_noise;

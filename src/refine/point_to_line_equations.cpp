@@ -54,15 +54,16 @@ void SumEquations(LineTask& task) {
     const V nx = GatherField(df, task.points, index, kNx), ny = GatherField(df, task.points, index, kNy);
     // Also false where either has no normal.
     auto good = hn::And(found, hn::Ge(hn::Add(hn::Mul(nx, ax), hn::Mul(ny, ay)), min_cosine));
-    const V dx = hn::Sub(qx, GatherField(df, task.points, index, kLineX)), dy = hn::Sub(qy, GatherField(df, task.points, index, kLineY));
+    const V dx = hn::Sub(qx, GatherField(df, task.points, index, kLineX)),
+            dy = hn::Sub(qy, GatherField(df, task.points, index, kLineY));
     const V residual = hn::Add(hn::Mul(dx, nx), hn::Mul(dy, ny));
     const V along = hn::Sub(hn::Mul(dy, nx), hn::Mul(dx, ny));
     const V line_length = GatherField(df, task.points, index, kLength);
     good = hn::And(good, hn::Le(hn::Abs(residual), gate));
     good = hn::And(good, hn::Le(hn::Abs(along), hn::Add(gate, hn::Mul(half, line_length))));
     if (hn::AllFalse(df, good)) continue;
-    // One over the variance of the residual: the point stands for `length` of surface, the line is seen by beams that stand for
-    // line_length each. Times the kernel (Geman-McClure): far residuals count less.
+    // One over the variance of the residual: the point stands for `length` of surface, the line is seen by beams that
+    // stand for line_length each. Times the kernel (Geman-McClure): far residuals count less.
     const V line_variance = GatherField(df, task.points, index, kVariance);
     const V spread = hn::Div(hn::Mul(line_variance, line_length), hn::LoadU(df, task.length + k));
     const V widened = hn::Mul(width, hn::Add(hn::Add(hn::LoadU(df, task.variance + k), spread), base));
@@ -112,11 +113,25 @@ NormalEquations point_to_line_equations(const SurfaceModel& model, const Surface
                                         const PartnerGate& gate) {
   NormalEquations out;
   if (model.points.size() == 0 || model.grid.empty() || hits.count == 0) return out;
-  LineTask task{model.grid.view(), &model.points.points.front().x, model.points.normal_variance.data(),
-                static_cast<int>(model.points.size()) - 1, hits.x.data(), hits.y.data(), hits.nx.data(), hits.ny.data(),
-                hits.length.data(), hits.variance.data(), hits.padded(), static_cast<float>(std::cos(T_model_hits.theta)),
-                static_cast<float>(std::sin(T_model_hits.theta)), static_cast<float>(T_model_hits.x), static_cast<float>(T_model_hits.y),
-                static_cast<float>(gate.gate_m), static_cast<float>(gate.soft_m), static_cast<float>(gate.min_normal_cosine), {}};
+  LineTask task{model.grid.view(),
+                &model.points.points.front().x,
+                model.points.normal_variance.data(),
+                static_cast<int>(model.points.size()) - 1,
+                hits.x.data(),
+                hits.y.data(),
+                hits.nx.data(),
+                hits.ny.data(),
+                hits.length.data(),
+                hits.variance.data(),
+                hits.padded(),
+                static_cast<float>(std::cos(T_model_hits.theta)),
+                static_cast<float>(std::sin(T_model_hits.theta)),
+                static_cast<float>(T_model_hits.x),
+                static_cast<float>(T_model_hits.y),
+                static_cast<float>(gate.gate_m),
+                static_cast<float>(gate.soft_m),
+                static_cast<float>(gate.min_normal_cosine),
+                {}};
   HWY_DYNAMIC_DISPATCH(SumEquations)(task);
   const auto symmetric = [](const float* v) {
     Eigen::Matrix3f full;

@@ -23,20 +23,24 @@ class MapPicture {
     height_m_ = map.height * map.resolution_m;
     scale_ = kFigureWidth / std::max(width_m_, 1e-6);
     scale_ = std::min(scale_, 1.4 * kFigureWidth / std::max(height_m_, 1e-6));
-    body_ = fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\">"
-                        "<image x=\"0\" y=\"0\" width=\"{0:.0f}\" height=\"{1:.0f}\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{2}\"/>",
-                        width_m_ * scale_, height_m_ * scale_, base64(format_png(map)));
+    body_ = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\">"
+        "<image x=\"0\" y=\"0\" width=\"{0:.0f}\" height=\"{1:.0f}\" style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{2}\"/>",
+        width_m_ * scale_, height_m_ * scale_, base64(format_png(map)));
   }
 
   void way(std::span<const Pose2> poses, std::string_view color, double width) {
     const std::size_t stride = std::max<std::size_t>(1, poses.size() / kMostPoints);
     body_ += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" points=\"", color, width);
-    for (std::size_t i = 0; i < poses.size(); i += stride) body_ += fmt::format("{:.1f},{:.1f} ", px(poses[i].x), py(poses[i].y));
+    for (std::size_t i = 0; i < poses.size(); i += stride)
+      body_ += fmt::format("{:.1f},{:.1f} ", px(poses[i].x), py(poses[i].y));
     body_ += "\"/>";
   }
 
   void link(const Pose2& a, const Pose2& b, std::string_view color) {
-    body_ += fmt::format("<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"{}\" stroke-width=\"1.2\" stroke-opacity=\"0.6\"/>", px(a.x), py(a.y), px(b.x), py(b.y), color);
+    body_ += fmt::format(
+        "<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"{}\" stroke-width=\"1.2\" stroke-opacity=\"0.6\"/>", px(a.x),
+        py(a.y), px(b.x), py(b.y), color);
   }
 
   std::string str() const { return body_ + "</svg>"; }
@@ -112,7 +116,9 @@ std::string base64(std::string_view bytes) {
   std::string out;
   out.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) { return k < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[k])) : 0U; };
+    const auto byte = [&](std::size_t k) {
+      return k < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[k])) : 0U;
+    };
     const unsigned three = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
     out += kDigits[three >> 18 & 63];
     out += kDigits[three >> 12 & 63];
@@ -146,20 +152,28 @@ std::string format_slam_report(const SlamReport& report) {
     const std::size_t stride = std::max<std::size_t>(1, loops / 2000);
     std::size_t n = 0;
     for (const PoseEdge& e : report.graph->edges()) {
-      if (e.robust && e.enabled && n++ % stride == 0) picture.link(poses[static_cast<std::size_t>(e.from)], poses[static_cast<std::size_t>(e.to)], palette::kGreen);
+      if (e.robust && e.enabled && n++ % stride == 0)
+        picture.link(poses[static_cast<std::size_t>(e.from)], poses[static_cast<std::size_t>(e.to)], palette::kGreen);
     }
-    for (const auto& [from, to] : report.undone) picture.link(poses[static_cast<std::size_t>(from)], poses[static_cast<std::size_t>(to)], palette::kVermillion);
-    html.figure(picture.str(), "Orange: the way before loops (laser odometry alone), blue: with them. Green: loops that hold, red: loops that were taken out again.");
+    for (const auto& [from, to] : report.undone)
+      picture.link(poses[static_cast<std::size_t>(from)], poses[static_cast<std::size_t>(to)], palette::kVermillion);
+    html.figure(
+        picture.str(),
+        "Orange: the way before loops (laser odometry alone), blue: with them. Green: loops that hold, red: loops that were taken out again.");
   }
   if (!report.trajectory.empty()) html.figure(correction_chart(report), "Distance between the two ways, scan by scan.");
   html.heading("Confidence over time");
-  if (!report.overlap.empty()) html.figure(overlap_chart(report.overlap), "Low values: new ground, people, or a tracker in trouble.");
+  if (!report.overlap.empty())
+    html.figure(overlap_chart(report.overlap), "Low values: new ground, people, or a tracker in trouble.");
   html.heading("Warnings");
-  if (report.warnings.empty()) html.paragraph("None.");
-  else html.bullets(report.warnings);
+  if (report.warnings.empty())
+    html.paragraph("None.");
+  else
+    html.bullets(report.warnings);
   if (!report.cpu_ms.empty()) {
     html.heading("Times");
-    html.figure(time_chart(report.cpu_ms), "Tracking and, at 1 thread, the work on loops and graph that was due with that scan.");
+    html.figure(time_chart(report.cpu_ms),
+                "Tracking and, at 1 thread, the work on loops and graph that was due with that scan.");
   }
   return html.str();
 }

@@ -41,8 +41,8 @@ MissingRotation MissingMatcher::match(const MissingFeatures& reference, const Mi
   if (reference.runs.empty() || scan.runs.empty()) return best;
   const double size = reference.size + scan.size;
 
-  // The overlap of a reference run [a, a + wa] with a scan run [b + alpha, b + alpha + wb] rises from alpha = a - b - wb, is
-  // flat between a - b and a - b + wa - wb (whichever comes first), falls, and is over at a - b + wa.
+  // The overlap of a reference run [a, a + wa] with a scan run [b + alpha, b + alpha + wb] rises from alpha = a - b -
+  // wb, is flat between a - b and a - b + wa - wb (whichever comes first), falls, and is over at a - b + wa.
   bends_.clear();
   for (const MissingRun& r : reference.runs) {
     for (const MissingRun& s : scan.runs) {
@@ -53,9 +53,8 @@ MissingRotation MissingMatcher::match(const MissingFeatures& reference, const Mi
       bends_.push_back({wrap_positive(meet + r.width), 1.0});
     }
   }
-  std::sort(bends_.begin(), bends_.end(), [](const Bend& a, const Bend& b) {
-    return a.alpha != b.alpha ? a.alpha < b.alpha : a.slope < b.slope;
-  });
+  std::sort(bends_.begin(), bends_.end(),
+            [](const Bend& a, const Bend& b) { return a.alpha != b.alpha ? a.alpha < b.alpha : a.slope < b.slope; });
 
   // Walk around the circle: exact value and slope at the first bend, then bend by bend.
   const std::size_t m = bends_.size();

@@ -31,7 +31,8 @@ void fill_normal_histogram(const SurfacePoints& surface, NormalHistogram& out) {
     const float before = raw[static_cast<std::size_t>(k == 0 ? kBins - 1 : k - 1)];
     const float after = raw[static_cast<std::size_t>(k == kBins - 1 ? 0 : k + 1)];
     // The square root keeps a second wall heard beside a long first one.
-    out.weight[static_cast<std::size_t>(k)] = std::sqrt(0.25F * before + 0.5F * raw[static_cast<std::size_t>(k)] + 0.25F * after);
+    out.weight[static_cast<std::size_t>(k)] =
+        std::sqrt(0.25F * before + 0.5F * raw[static_cast<std::size_t>(k)] + 0.25F * after);
   }
 }
 

@@ -8,7 +8,9 @@
 
 namespace phasescan {
 
-double MissingRun::centre() const { return wrap_angle(start + 0.5 * width); }
+double MissingRun::centre() const {
+  return wrap_angle(start + 0.5 * width);
+}
 
 void MissingFinder::lay_out(const Scan& scan, double dmax_m) {
   cells_.clear();
@@ -36,9 +38,8 @@ void MissingFinder::lay_out(const Scan& scan, double dmax_m) {
     for (std::size_t i = 0; i < n; ++i) angles_[i] = wrap_positive(scan.angle(i));
     order_.resize(n);
     std::iota(order_.begin(), order_.end(), std::size_t{0});
-    std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
-      return angles_[a] != angles_[b] ? angles_[a] < angles_[b] : a < b;
-    });
+    std::sort(order_.begin(), order_.end(),
+              [&](std::size_t a, std::size_t b) { return angles_[a] != angles_[b] ? angles_[a] < angles_[b] : a < b; });
     // A gap of several beams is a border of the field of view, not a wide beam. Even spacing would be 2 pi / n or less.
     const double widest = 6.0 * kTwoPi / static_cast<double>(std::max<std::size_t>(n, 24));
     bool open = false;

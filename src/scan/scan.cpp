@@ -71,11 +71,16 @@ Scan make_scan(std::span<const float> raw, const ScanGeometry& geometry, std::sp
 
 float raw_range(const Scan& scan, std::size_t i) {
   switch (scan.states[i]) {
-    case BeamState::kHit: return scan.ranges[i];
-    case BeamState::kNoReturn: return 0.0F;
-    case BeamState::kOutOfRange: return std::numeric_limits<float>::infinity();
-    case BeamState::kTooNear: return -std::numeric_limits<float>::infinity();
-    case BeamState::kInvalid: break;
+    case BeamState::kHit:
+      return scan.ranges[i];
+    case BeamState::kNoReturn:
+      return 0.0F;
+    case BeamState::kOutOfRange:
+      return std::numeric_limits<float>::infinity();
+    case BeamState::kTooNear:
+      return -std::numeric_limits<float>::infinity();
+    case BeamState::kInvalid:
+      break;
   }
   return kMissing;
 }

@@ -7,12 +7,12 @@
 namespace phasescan {
 namespace {
 
-constexpr int kBeamsPerRestart = 64;   // the rotation recurrence is restarted so often: error below 1e-13
-constexpr double kMinFloor = 0.004;    // [m] no lidar of this kind is better than this
+constexpr int kBeamsPerRestart = 64;  // the rotation recurrence is restarted so often: error below 1e-13
+constexpr double kMinFloor = 0.004;   // [m] no lidar of this kind is better than this
 constexpr int kMaxHalfWindow = 48;
 // A line is fitted this far to either side: long enough for the noise, short enough for furniture.
 constexpr double kReachShare = 0.015, kReachSigmas = 3.0;  // of the extent; of the range noise
-constexpr double kLeastCosine = 0.1;   // a beam along a wall is not as good as its noise across it says
+constexpr double kLeastCosine = 0.1;  // a beam along a wall is not as good as its noise across it says
 
 double median_of(std::vector<float>& values) {
   if (values.empty()) return 0.0;
@@ -183,7 +183,8 @@ void find_normals(double spacing, SurfaceWorkspace& work, SurfacePoints& out) {
     if (best.residual > 1.5 * expected * seen_at * seen_at) {
       // A corner, perhaps: the side on which the line fits better.
       for (const int shift : {-half, half}) {
-        const int from = std::max(begin, std::min(i, i - half + shift)), to = std::min(end, std::max(i + 1, i + half + 1 + shift));
+        const int from = std::max(begin, std::min(i, i - half + shift)),
+                  to = std::min(end, std::max(i + 1, i + half + 1 + shift));
         if (to - from < 3) continue;
         const LineFit side = fit_line(work.sums, from, to);
         if (side.residual < 0.6 * best.residual) best = side;
@@ -205,7 +206,8 @@ void find_normals(double spacing, SurfaceWorkspace& work, SurfacePoints& out) {
     point.line_y = static_cast<float>(py - off * ny);
     point.length = static_cast<float>(step / std::max(cosine, 0.2));
     point.variance = static_cast<float>(across * across);
-    out.normal_variance[i] = static_cast<float>(std::min(std::max(across * across, best.residual) / (best.count * best.spread), 0.3));
+    out.normal_variance[i] =
+        static_cast<float>(std::min(std::max(across * across, best.residual) / (best.count * best.spread), 0.3));
   }
 }
 
@@ -244,8 +246,7 @@ void sort_beams(const Scan& scan, SurfaceWorkspace& work) {
     return;
   }
   std::iota(work.order.begin(), work.order.end(), 0);
-  std::stable_sort(work.order.begin(), work.order.end(),
-                   [&](int a, int b) { return scan.angles[a] < scan.angles[b]; });
+  std::stable_sort(work.order.begin(), work.order.end(), [&](int a, int b) { return scan.angles[a] < scan.angles[b]; });
   for (std::size_t i = 0; i < n; ++i) work.angle[i] = scan.angle(static_cast<std::size_t>(work.order[i]));
 }
 

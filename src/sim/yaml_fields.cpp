@@ -8,13 +8,13 @@
 namespace phasescan::sim {
 namespace {
 
-/// Whether a built-in file belongs to a folder of simulator settings; the methods' own settings (paper-*.yaml) are none.
+/// Whether a built-in file belongs to a folder of simulator settings; the methods' own settings (paper-*.yaml) are
+/// none.
 bool is_of(const std::filesystem::path& file, const std::string& folder) {
   return file.parent_path() == folder && !file.filename().string().starts_with("paper-");
 }
 
 }  // namespace
-
 
 YAML::Node load_yaml(const std::string& text, const std::string& name) {
   try {

@@ -13,24 +13,26 @@ namespace phasescan {
 namespace {
 
 constexpr double kFloorM = 0.01, kFloorRad = 0.004;  // standard deviation that no match gets below
-constexpr double kDriftPerMetre = 0.01;   // how fast the map may drift where no loop holds it
-constexpr int kVisitNodes = 6;            // keyframes on either side of a visit's anchor that make its map
-constexpr int kAnchorStep = 4;            // anchors are multiples of it, so that neighbours share a map
+constexpr double kDriftPerMetre = 0.01;              // how fast the map may drift where no loop holds it
+constexpr int kVisitNodes = 6;                       // keyframes on either side of a visit's anchor that make its map
+constexpr int kAnchorStep = 4;                       // anchors are multiples of it, so that neighbours share a map
 constexpr std::size_t kCachedMaps = 4;
 constexpr int kNodesPerOptimize = 60;
-// Bounded memory: a place is shown well enough when so many keyframes look at it from so near, and a scan there fits so well.
+// Bounded memory: a place is shown well enough when so many keyframes look at it from so near, and a scan there fits so
+// well.
 constexpr int kShownKeyframes = 2, kMostKeyframes = 8;
 constexpr double kShownM = 0.8, kShownRad = 0.6, kShownOverlap = 0.7;
 constexpr std::size_t kSurroundings = 16;
 constexpr int kFinalRounds = 2;
-constexpr double kCorridor = 0.02;     // ratio of information below which a direction counts as unseen
+constexpr double kCorridor = 0.02;  // ratio of information below which a direction counts as unseen
 constexpr double kSlideStepM = 0.1;
 constexpr int kSlideSteps = 10;
-constexpr double kSlideGain = 0.01;    // of the score, for a slide to be worth it
+constexpr double kSlideGain = 0.01;  // of the score, for a slide to be worth it
 
 /// Information of an edge: never better than the floor, never without a weak word.
 Eigen::Matrix3d edge_information(const Eigen::Matrix3d& information, double weak_m, double weak_rad) {
-  const Eigen::Matrix3d weak = Eigen::Vector3d(1.0 / (weak_m * weak_m), 1.0 / (weak_m * weak_m), 1.0 / (weak_rad * weak_rad)).asDiagonal();
+  const Eigen::Matrix3d weak =
+      Eigen::Vector3d(1.0 / (weak_m * weak_m), 1.0 / (weak_m * weak_m), 1.0 / (weak_rad * weak_rad)).asDiagonal();
   Eigen::Matrix3d covariance = (information + weak).inverse();
   covariance.diagonal() += Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
   const Eigen::Matrix3d result = covariance.inverse();
@@ -84,7 +86,8 @@ void Backend::add_batch(std::vector<Keyframe> batch) {
     T_odom_last_ = T_odom;
   }
   const int n = static_cast<int>(keyframes_.size());
-  if (large_correction_ || (new_edges_ > 0 && n - nodes_at_optimize_ >= kNodesPerOptimize)) optimize(large_correction_ ? 15 : 4);
+  if (large_correction_ || (new_edges_ > 0 && n - nodes_at_optimize_ >= kNodesPerOptimize))
+    optimize(large_correction_ ? 15 : 4);
 }
 
 void Backend::add_keyframe(Keyframe keyframe) {
@@ -116,7 +119,8 @@ bool Backend::locate(const Keyframe& keyframe) {
   if (handed_.empty() || keyframe.new_segment) return false;
   const auto& poses = graph_.poses();
   const Handed& last = handed_.back();
-  const Pose2 guess = poses[static_cast<std::size_t>(last.node)] * last.T_node_keyframe() * (T_odom_last_.inverse() * keyframe.T_odom_base);
+  const Pose2 guess = poses[static_cast<std::size_t>(last.node)] * last.T_node_keyframe() *
+                      (T_odom_last_.inverse() * keyframe.T_odom_base);
   int around = 0, nearest = -1;
   double least = kShownM;
   for (std::size_t k = 0; k < poses.size(); ++k) {
@@ -134,12 +138,14 @@ bool Backend::locate(const Keyframe& keyframe) {
   const Registration found = register_points(surroundings_, *keyframe.points, T_map_world * guess);
   const Pose2 pose = surroundings_.T_world_map() * found.T_map_base;
   const bool full = around >= kMostKeyframes;
-  const bool fits = found.converged && found.overlap > (around > kMostKeyframes / 2 ? options_.odometry.min_overlap : kShownOverlap) &&
+  const bool fits = found.converged &&
+                    found.overlap > (around > kMostKeyframes / 2 ? options_.odometry.min_overlap : kShownOverlap) &&
                     translation_distance(pose, guess) < options_.loops.small_error_m;
   if (!fits && !full) return false;
   // Where the place has all the keyframes it may have, a scan that does not fit (people) stands where odometry puts it.
   const Pose2 relative = poses[static_cast<std::size_t>(nearest)].inverse() * (fits ? pose : guess);
-  handed_.push_back({nearest, static_cast<float>(relative.x), static_cast<float>(relative.y), static_cast<float>(relative.theta)});
+  handed_.push_back(
+      {nearest, static_cast<float>(relative.x), static_cast<float>(relative.y), static_cast<float>(relative.theta)});
   if (fits) since_loop_m_ = 0.0;
   return true;
 }
@@ -148,7 +154,8 @@ std::vector<Pose2> Backend::handed_in_poses(bool odometry) const {
   std::vector<Pose2> out;
   out.reserve(handed_.size());
   for (const Handed& h : handed_) {
-    out.push_back(odometry ? Pose2{static_cast<double>(h.odom_x), static_cast<double>(h.odom_y), static_cast<double>(h.odom_theta)}
+    out.push_back(odometry ? Pose2{static_cast<double>(h.odom_x), static_cast<double>(h.odom_y),
+                                   static_cast<double>(h.odom_theta)}
                            : graph_.poses()[static_cast<std::size_t>(h.node)] * h.T_node_keyframe());
   }
   return out;
@@ -239,7 +246,8 @@ std::optional<Loop> Backend::compare(int other, int node, double uncertainty_m) 
   loop.from = anchor;
   loop.to = node;
   loop.T_from_to = poses[static_cast<std::size_t>(anchor)].inverse() * (map.T_world_map() * found.T_map_base);
-  loop.information = edge_information(believed_information(rotate_information(found.information, -found.T_map_base.theta)), 3.0, 0.5);
+  loop.information =
+      edge_information(believed_information(rotate_information(found.information, -found.T_map_base.theta)), 3.0, 0.5);
   loop.overlap = found.overlap;
   return loop;
 }
@@ -310,8 +318,8 @@ void Backend::finish() {
   if (keyframes_.size() < 2) return;
   optimize(30);
   if (!options_.loops.enabled) return;
-  // With the map in place every keyframe meets its neighbours of all times, the later ones too; what was matched while the
-  // map was still bent is matched anew.
+  // With the map in place every keyframe meets its neighbours of all times, the later ones too; what was matched while
+  // the map was still bent is matched anew.
   for (int round = 0; round < kFinalRounds; ++round) rematch_all();
 }
 
@@ -366,7 +374,8 @@ void Backend::build_surroundings(int node, std::size_t max_keyframes, LocalMap& 
   }
   std::sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   map.reset(here, options_.odometry.map_range_m + 5.0, options_.odometry.cell_m);
-  for (const auto& [far, k] : near) map.add(*keyframes_[static_cast<std::size_t>(k)].points, poses[static_cast<std::size_t>(k)]);
+  for (const auto& [far, k] : near)
+    map.add(*keyframes_[static_cast<std::size_t>(k)].points, poses[static_cast<std::size_t>(k)]);
   map.finish();
 }
 

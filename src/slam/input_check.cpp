@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kReorderedS = 1.0;  // stamps that go back by less are loggers' disorder, by more a broken clock
 constexpr double kGapS = 10.0;
-constexpr double kJumpM = 2.0, kJumpRad = 2.0, kFastestMps = 3.0, kTurnPauseS = 1.0;  // what a robot may do between two scans
+constexpr double kJumpM = 2.0, kJumpRad = 2.0, kFastestMps = 3.0,
+                 kTurnPauseS = 1.0;  // what a robot may do between two scans
 
 std::size_t fingerprint_of(const Scan& scan) {
   std::size_t h = 1469598103934665603ULL;
@@ -36,7 +37,8 @@ void InputCheck::note(const std::string& kind, bool damage, const std::string& t
   }
 }
 
-bool InputCheck::add(const Scan& scan, const std::string& laser, const std::optional<Pose2>& odometry, const std::string& where) {
+bool InputCheck::add(const Scan& scan, const std::string& laser, const std::optional<Pose2>& odometry,
+                     const std::string& where) {
   const auto known = lasers_.find(laser);
   const std::size_t fingerprint = fingerprint_of(scan);
   bool repeated = false;
@@ -45,21 +47,31 @@ bool InputCheck::add(const Scan& scan, const std::string& laser, const std::opti
     lasers_[laser] = {scan.stamp, scan.size(), fingerprint};
   } else {
     Laser& last = known->second;
-    repeated = scan.stamp == last.stamp && scan.size() == last.beams && fingerprint == last.fingerprint && scan.hit_count() > 0;
+    repeated = scan.stamp == last.stamp && scan.size() == last.beams && fingerprint == last.fingerprint &&
+               scan.hit_count() > 0;
     const double step = stamp_to_seconds(scan.stamp - last.stamp);
     if (repeated) note("repeated scan", true, where + ": the same scan as the one before; it counts once");
-    if (step < -kReorderedS) note("time going backwards", true, where + ": time goes back by " + seconds(last.stamp, scan.stamp) + "; the order of the file is kept");
-    if (step < 0.0 && step >= -kReorderedS) note("stamps out of order", false, where + ": stamps out of order by " + seconds(last.stamp, scan.stamp) + "; the order of the file is kept");
+    if (step < -kReorderedS)
+      note("time going backwards", true,
+           where + ": time goes back by " + seconds(last.stamp, scan.stamp) + "; the order of the file is kept");
+    if (step < 0.0 && step >= -kReorderedS)
+      note("stamps out of order", false,
+           where + ": stamps out of order by " + seconds(last.stamp, scan.stamp) + "; the order of the file is kept");
     if (step > kGapS) note("gap", false, where + ": no scan for " + seconds(last.stamp, scan.stamp));
-    if (scan.size() != last.beams) note("beam count changes", false, where + ": " + std::to_string(scan.size()) + " beams after " + std::to_string(last.beams));
+    if (scan.size() != last.beams)
+      note("beam count changes", false,
+           where + ": " + std::to_string(scan.size()) + " beams after " + std::to_string(last.beams));
     last = {scan.stamp, scan.size(), fingerprint};
   }
   if (scan.hit_count() == 0) note("scan without a return", false, where + ": not one beam has a range");
   if (odometry && odometry_) {
     const Pose2 step = odometry_->inverse() * *odometry;
     const double pause_s = std::max(0.0, stamp_to_seconds(scan.stamp - odometry_stamp_));
-    if (std::hypot(step.x, step.y) > kJumpM + kFastestMps * pause_s || (std::abs(step.theta) > kJumpRad && pause_s < kTurnPauseS)) {
-      note("odometry jump", true, where + ": odometry jumps by " + std::to_string(std::llround(100.0 * std::hypot(step.x, step.y))) + " cm; it is not followed");
+    if (std::hypot(step.x, step.y) > kJumpM + kFastestMps * pause_s ||
+        (std::abs(step.theta) > kJumpRad && pause_s < kTurnPauseS)) {
+      note("odometry jump", true,
+           where + ": odometry jumps by " + std::to_string(std::llround(100.0 * std::hypot(step.x, step.y))) +
+               " cm; it is not followed");
     }
   }
   if (odometry) {

@@ -27,7 +27,8 @@ std::vector<Loop> LoopJudge::add(const Loop& loop, std::span<const Pose2> poses,
     // Where `loop.to` would be if the other loop were right.
     const Pose2 by_other = pose(other.from) * other.T_from_to * (pose(other.to).inverse() * pose(loop.to));
     const Pose2 by_this = pose(loop.from) * loop.T_from_to;
-    if (other.to != loop.to && within(by_this.inverse() * by_other, options_.agree_m, options_.agree_deg)) agreed.push_back(other);
+    if (other.to != loop.to && within(by_this.inverse() * by_other, options_.agree_m, options_.agree_deg))
+      agreed.push_back(other);
   }
   if (agreed.size() < static_cast<std::size_t>(options_.votes)) {
     waiting_.push_back(loop);

@@ -15,9 +15,9 @@ namespace {
 
 constexpr int kSize = 128;
 constexpr double kReachM = 6.0;
-constexpr int kAngles = 64;  // samples of half a ring; the other half repeats it
+constexpr int kAngles = 64;                               // samples of half a ring; the other half repeats it
 constexpr double kLeastRadius = 0.03, kMostRadius = 0.5;  // of the Nyquist frequency
-constexpr double kUnit = 25.0;  // of the 8-bit numbers: what the mean of a descriptor becomes
+constexpr double kUnit = 25.0;                            // of the 8-bit numbers: what the mean of a descriptor becomes
 
 }  // namespace
 
@@ -27,8 +27,8 @@ struct PlaceDescriber::Impl {
   Image image;
   ComplexBuffer spectrum;
   ScanPoints points;
-  std::vector<float> sample_u, sample_v;              // where rings are read, in cells of the half spectrum
-  std::vector<std::complex<float>> turns;             // exp(-2 pi i h a / kAngles)
+  std::vector<float> sample_u, sample_v;   // where rings are read, in cells of the half spectrum
+  std::vector<std::complex<float>> turns;  // exp(-2 pi i h a / kAngles)
 
   Impl() {
     for (std::size_t r = 0; r < kDescriptorRadii; ++r) {
@@ -53,10 +53,12 @@ struct PlaceDescriber::Impl {
     const int u0 = static_cast<int>(std::floor(u)), v0 = static_cast<int>(std::floor(v));
     const float fu = u - static_cast<float>(u0), fv = v - static_cast<float>(v0);
     const auto cell = [&](int cu, int cv) {
-      const auto row = static_cast<std::size_t>((cv + kSize) % kSize), col = static_cast<std::size_t>(std::clamp(cu, 0, kSize / 2));
+      const auto row = static_cast<std::size_t>((cv + kSize) % kSize),
+                 col = static_cast<std::size_t>(std::clamp(cu, 0, kSize / 2));
       return std::sqrt(std::abs(spectrum[row * (kSize / 2 + 1) + col]));
     };
-    return (1 - fv) * ((1 - fu) * cell(u0, v0) + fu * cell(u0 + 1, v0)) + fv * ((1 - fu) * cell(u0, v0 + 1) + fu * cell(u0 + 1, v0 + 1));
+    return (1 - fv) * ((1 - fu) * cell(u0, v0) + fu * cell(u0 + 1, v0)) +
+           fv * ((1 - fu) * cell(u0, v0 + 1) + fu * cell(u0 + 1, v0 + 1));
   }
 };
 
@@ -83,7 +85,8 @@ PlaceDescriptor PlaceDescriber::describe(std::span<const float> x, std::span<con
   std::array<float, kAngles> ring{};
   float mean = 0.0F;
   for (std::size_t r = 0; r < kDescriptorRadii; ++r) {
-    for (std::size_t a = 0; a < kAngles; ++a) ring[a] = m.magnitude_at(m.sample_u[r * kAngles + a], m.sample_v[r * kAngles + a]);
+    for (std::size_t a = 0; a < kAngles; ++a)
+      ring[a] = m.magnitude_at(m.sample_u[r * kAngles + a], m.sample_v[r * kAngles + a]);
     for (std::size_t h = 0; h < kDescriptorHarmonics; ++h) {
       float re = 0.0F, im = 0.0F;
       for (std::size_t a = 0; a < kAngles; ++a) {

@@ -11,8 +11,8 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Sum of absolute differences of the query to each of `count` descriptors of `size` bytes, a multiple of 64.
-void Distances(const std::uint8_t* HWY_RESTRICT query, const std::uint8_t* HWY_RESTRICT all, std::size_t count, std::size_t size,
-               std::uint32_t* HWY_RESTRICT out) {
+void Distances(const std::uint8_t* HWY_RESTRICT query, const std::uint8_t* HWY_RESTRICT all, std::size_t count,
+               std::size_t size, std::uint32_t* HWY_RESTRICT out) {
   const hn::CappedTag<std::uint8_t, 64> d;
   const hn::Repartition<std::uint64_t, decltype(d)> d64;
   for (std::size_t k = 0; k < count; ++k, all += size) {
@@ -53,11 +53,14 @@ std::vector<PlaceHit> PlaceIndex::nearest(const PlaceDescriptor& query, std::siz
   std::array<std::uint32_t, kBlock> distances;
   for (std::size_t from = 0; from < n; from += kBlock) {
     const std::size_t block = std::min(kBlock, n - from);
-    HWY_DYNAMIC_DISPATCH(Distances)(query.data(), descriptors_.data() + from * kDescriptorSize, block, kDescriptorSize, distances.data());
+    HWY_DYNAMIC_DISPATCH(Distances)
+    (query.data(), descriptors_.data() + from * kDescriptorSize, block, kDescriptorSize, distances.data());
     for (std::size_t k = 0; k < block; ++k) {
       if (best.size() == count && distances[k] >= best.back().distance) continue;
       const PlaceHit hit{static_cast<std::uint32_t>(from + k), distances[k]};
-      best.insert(std::upper_bound(best.begin(), best.end(), hit, [](const PlaceHit& a, const PlaceHit& b) { return a.distance < b.distance; }), hit);
+      best.insert(std::upper_bound(best.begin(), best.end(), hit,
+                                   [](const PlaceHit& a, const PlaceHit& b) { return a.distance < b.distance; }),
+                  hit);
       if (best.size() > count) best.pop_back();
     }
   }

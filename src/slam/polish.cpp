@@ -16,7 +16,8 @@ constexpr double kMostM = 0.15, kMostRad = 0.06;  // a polish moves a pose less 
 
 /// A message that was passed over because it is the one before once more.
 bool repeats(const ScanRecord& before, const ScanRecord& now) {
-  return before.stamp == now.stamp && before.keyframe == now.keyframe && before.x == now.x && before.y == now.y && before.theta == now.theta;
+  return before.stamp == now.stamp && before.keyframe == now.keyframe && before.x == now.x && before.y == now.y &&
+         before.theta == now.theta;
 }
 
 }  // namespace
@@ -62,7 +63,9 @@ std::vector<Pose2> polish_trajectory(const Backend& backend, const ScanStore& sc
     fine.gate_start_m = 0.2;
     const Registration found = register_points(map, points, prior.T_map_base, fine, prior);
     const Pose2 moved = prior.T_map_base.inverse() * found.T_map_base;
-    if (found.overlap < options.min_overlap || std::hypot(moved.x, moved.y) > kMostM || std::abs(moved.theta) > kMostRad) continue;
+    if (found.overlap < options.min_overlap || std::hypot(moved.x, moved.y) > kMostM ||
+        std::abs(moved.theta) > kMostRad)
+      continue;
     out[i] = map.T_world_map() * found.T_map_base;
   }
   return out;

@@ -6,8 +6,8 @@
 namespace phasescan {
 namespace {
 
-constexpr float kUnit = 0.002F;               // [m]
-constexpr std::uint16_t kLargest = 65000;     // codes above it are reasons
+constexpr float kUnit = 0.002F;            // [m]
+constexpr std::uint16_t kLargest = 65000;  // codes above it are reasons
 
 std::uint16_t encode(float range, BeamState state) {
   if (state != BeamState::kHit) return static_cast<std::uint16_t>(kLargest + static_cast<int>(state));
@@ -15,7 +15,8 @@ std::uint16_t encode(float range, BeamState state) {
 }
 
 bool same(const ScanGeometry& a, const ScanGeometry& b) {
-  return a.angle_min == b.angle_min && a.angle_increment == b.angle_increment && a.range_min == b.range_min && a.range_max == b.range_max;
+  return a.angle_min == b.angle_min && a.angle_increment == b.angle_increment && a.range_min == b.range_min &&
+         a.range_max == b.range_max;
 }
 
 bool same(const LaserMount& a, const LaserMount& b) {
@@ -34,7 +35,8 @@ std::size_t ScanStore::add(const Scan& scan, const LaserMount& mount) {
   std::size_t kind = kinds_.size();
   for (std::size_t k = kinds_.size(), looked = 0; k-- > 0 && looked < 4; ++looked) {
     const Kind& known = kinds_[k];
-    if (same(known.geometry, scan.geometry) && known.time_increment == scan.time_increment && same(known.mount, mount) && known.angles == scan.angles) {
+    if (same(known.geometry, scan.geometry) && known.time_increment == scan.time_increment &&
+        same(known.mount, mount) && known.angles == scan.angles) {
       kind = k;
       break;
     }

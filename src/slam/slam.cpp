@@ -16,7 +16,11 @@ struct Slam::Worker {
 };
 
 Slam::Slam(const SlamOptions& options, int threads)
-    : options_(options), threads_(threads), odometry_(options.odometry), backend_(std::make_unique<Backend>(options)), worker_(std::make_unique<Worker>()) {
+    : options_(options),
+      threads_(threads),
+      odometry_(options.odometry),
+      backend_(std::make_unique<Backend>(options)),
+      worker_(std::make_unique<Worker>()) {
   options_.validate();
 }
 
@@ -46,7 +50,8 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
     batch_.push_back(std::move(keyframe));
   }
   const Pose2 relative = T_odom_keyframe_.inverse() * step.T_odom_stamp;
-  records_.push_back({scan.stamp, keyframes_ - 1, static_cast<float>(relative.x), static_cast<float>(relative.y), static_cast<float>(relative.theta)});
+  records_.push_back({scan.stamp, keyframes_ - 1, static_cast<float>(relative.x), static_cast<float>(relative.y),
+                      static_cast<float>(relative.theta)});
   if (!options_.slam.bounded_memory && (step.is_keyframe || options_.slam.polish)) store_.add(scan, mount);
   if (batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
   return step;
@@ -63,7 +68,8 @@ void Slam::hand_over() {
   std::vector<Keyframe> batch;
   batch.swap(batch_);
   if (threads_ > 1) {
-    worker_->running = std::async(std::launch::async, [this, batch = std::move(batch)]() mutable { backend_->add_batch(std::move(batch)); });
+    worker_->running = std::async(
+        std::launch::async, [this, batch = std::move(batch)]() mutable { backend_->add_batch(std::move(batch)); });
   } else {
     backend_->add_batch(std::move(batch));
   }
@@ -89,10 +95,12 @@ OccupancyGrid Slam::render_map() const {
   for (std::size_t i = 0; i < backend_->keyframes().size(); ++i) {
     const Keyframe& keyframe = backend_->keyframes()[i];
     const LaserMount& mount = keyframe.mount;
-    const Pose2 T_map_stamp = polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend_->poses()[i] * keyframe.T_mid_stamp;
+    const Pose2 T_map_stamp =
+        polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend_->poses()[i] * keyframe.T_mid_stamp;
     Twist2 twist = options_.odometry.deskew ? mount.laser_twist(keyframe.twist) : Twist2{};
     if (mount.flipped) twist = {twist.vx, -twist.vy, -twist.omega};
-    grid.add_scan(keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored), T_map_stamp * mount.T_base_laser, mount.flipped, twist);
+    grid.add_scan(keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored),
+                  T_map_stamp * mount.T_base_laser, mount.flipped, twist);
   }
   return grid;
 }

@@ -27,8 +27,12 @@ RealFft RealFft::rows(int count, int length) {
   return RealFft(std::unique_ptr<Impl>(new Impl{shape, FftBackend(shape)}));
 }
 
-std::size_t RealFft::real_size() const { return impl_->shape.real_size(); }
-std::size_t RealFft::complex_size() const { return impl_->shape.complex_size(); }
+std::size_t RealFft::real_size() const {
+  return impl_->shape.real_size();
+}
+std::size_t RealFft::complex_size() const {
+  return impl_->shape.complex_size();
+}
 
 void RealFft::forward(const FloatBuffer& in, ComplexBuffer& out) {
   if (in.size() != real_size()) throw std::invalid_argument("fft.forward: " + std::to_string(in.size()) + " samples");

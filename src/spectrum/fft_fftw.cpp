@@ -17,7 +17,9 @@ struct Plans {
   fftwf_plan inverse;
 };
 
-fftwf_complex* as_fftw(std::complex<float>* p) { return reinterpret_cast<fftwf_complex*>(p); }
+fftwf_complex* as_fftw(std::complex<float>* p) {
+  return reinterpret_cast<fftwf_complex*>(p);
+}
 
 Plans make_plans(const FftShape& shape) {
   FloatBuffer real(shape.real_size());
@@ -27,10 +29,10 @@ Plans make_plans(const FftShape& shape) {
             fftwf_plan_dft_c2r_2d(shape.rows, shape.cols, as_fftw(half.data()), real.data(), FFTW_ESTIMATE)};
   }
   const int n = shape.cols, half_n = n / 2 + 1;
-  return {fftwf_plan_many_dft_r2c(1, &n, shape.rows, real.data(), nullptr, 1, n, as_fftw(half.data()), nullptr, 1, half_n,
-                                  FFTW_ESTIMATE),
-          fftwf_plan_many_dft_c2r(1, &n, shape.rows, as_fftw(half.data()), nullptr, 1, half_n, real.data(), nullptr, 1, n,
-                                  FFTW_ESTIMATE | FFTW_DESTROY_INPUT)};
+  return {fftwf_plan_many_dft_r2c(1, &n, shape.rows, real.data(), nullptr, 1, n, as_fftw(half.data()), nullptr, 1,
+                                  half_n, FFTW_ESTIMATE),
+          fftwf_plan_many_dft_c2r(1, &n, shape.rows, as_fftw(half.data()), nullptr, 1, half_n, real.data(), nullptr, 1,
+                                  n, FFTW_ESTIMATE | FFTW_DESTROY_INPUT)};
 }
 
 /// Plans by shape, made once and kept to the end of the process: FFTW's planner is not thread-safe, executing is.

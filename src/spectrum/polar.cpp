@@ -22,14 +22,18 @@ PolarSampler::PolarSampler(int size, const SpectrumOptions& options)
       const double u = std::max(0.0, radius(ring) * std::cos(angle(bin)));
       const double v = radius(ring) * std::sin(angle(bin)) + nyquist;
       const double u0 = std::floor(u), v0 = std::floor(v);
-      taps_.push_back({static_cast<std::int32_t>(v0) * stride_ + static_cast<std::int32_t>(u0), static_cast<float>(u - u0),
-                       static_cast<float>(v - v0)});
+      taps_.push_back({static_cast<std::int32_t>(v0) * stride_ + static_cast<std::int32_t>(u0),
+                       static_cast<float>(u - u0), static_cast<float>(v - v0)});
     }
   }
 }
 
-double PolarSampler::angle(int bin) const { return -kPi / 2 + kPi * bin / angle_bins_; }
-double PolarSampler::radius(int ring) const { return radius_min_ + radius_step_ * ring; }
+double PolarSampler::angle(int bin) const {
+  return -kPi / 2 + kPi * bin / angle_bins_;
+}
+double PolarSampler::radius(int ring) const {
+  return radius_min_ + radius_step_ * ring;
+}
 
 void PolarSampler::sample(const Image& magnitude, FloatBuffer& out) const {
   if (magnitude.cols() != stride_ || magnitude.rows() != 2 * (stride_ - 1)) {

@@ -25,10 +25,12 @@ void Correlate(const std::uint8_t* HWY_RESTRICT table, const std::int32_t* HWY_R
     for (std::size_t column = 0; column < kSide; ++column) to[column] = 0;
     for (std::size_t k = 0; k < count; ++k) {
       const std::uint8_t* from = table + row * ScoreTable::kStride + offsets[k];
-      for (std::size_t column = 0; column < kSide; ++column) to[column] = static_cast<std::uint16_t>(to[column] + from[column]);
+      for (std::size_t column = 0; column < kSide; ++column)
+        to[column] = static_cast<std::uint16_t>(to[column] + from[column]);
     }
     row_max[row] = 0;
-    for (std::size_t column = 0; column < kSide; ++column) row_max[row] = to[column] > row_max[row] ? to[column] : row_max[row];
+    for (std::size_t column = 0; column < kSide; ++column)
+      row_max[row] = to[column] > row_max[row] ? to[column] : row_max[row];
   }
 }
 
@@ -78,7 +80,8 @@ void Correlate(const std::uint8_t* HWY_RESTRICT table, const std::int32_t* HWY_R
   }
   for (std::size_t row = 0; row < kSide; ++row) {
     auto best = hn::Zero(d16);
-    for (std::size_t column = 0; column < kSide; column += half) best = hn::Max(best, hn::LoadU(d16, sum + row * kSide + column));
+    for (std::size_t column = 0; column < kSide; column += half)
+      best = hn::Max(best, hn::LoadU(d16, sum + row * kSide + column));
     alignas(64) std::uint16_t values[kSide];
     hn::StoreU(best, d16, values);
     std::uint16_t most = 0;

@@ -43,7 +43,8 @@ ToyLog toy_log(std::size_t most = 200) {
     const Scan scan = testing::toy_scan(walls, tour[i], lidar, random, stamp);
     std::string line = "FLASER 360";
     for (const float r : scan.ranges) line += fmt::format(" {:.3f}", r);
-    log.flaser += fmt::format("{} 0 0 0 {:.4f} {:.4f} {:.5f} {:.3f} host {:.3f}\n", line, tour[i].x, tour[i].y, tour[i].theta, stamp_to_seconds(stamp), 0.2 * static_cast<double>(i));
+    log.flaser += fmt::format("{} 0 0 0 {:.4f} {:.4f} {:.5f} {:.3f} host {:.3f}\n", line, tour[i].x, tour[i].y,
+                              tour[i].theta, stamp_to_seconds(stamp), 0.2 * static_cast<double>(i));
     truth.push_back({stamp, tour[i]});
     ++log.scans;
   }
@@ -58,7 +59,9 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-json summary_in(const TempFolder& folder) { return json::parse(slurp(folder / "out/summary.json")); }
+json summary_in(const TempFolder& folder) {
+  return json::parse(slurp(folder / "out/summary.json"));
+}
 
 test::CommandResult slam(const TempFolder& folder, const std::string& text, std::vector<std::string> more = {}) {
   folder.put("toy.log", text);
@@ -85,7 +88,8 @@ TEST(SlamCommand, AWholeRunLeavesEveryFileAndAnAccurateTrajectory) {
   EXPECT_TRUE(summary["warnings"].empty());
   EXPECT_GT(json::parse(slurp(folder / "out/timing.json"))["peak_memory_mib"], 1.0);
   folder.put("truth.tum", log.truth);
-  const auto eval = run_command({"eval", "--trajectory", folder / "out/trajectory.tum", "--reference", folder / "truth.tum", "--json"});
+  const auto eval = run_command(
+      {"eval", "--trajectory", folder / "out/trajectory.tum", "--reference", folder / "truth.tum", "--json"});
   EXPECT_EQ(eval.code, 0) << eval.err;
   EXPECT_LT(json::parse(eval.out)["ate_m"]["rmse"], 0.03);
 }
@@ -95,7 +99,8 @@ TEST(SlamCommand, SameBytesWhateverTheThreads) {
   const ToyLog log = toy_log();
   EXPECT_EQ(slam(one, log.flaser, {"--no-times"}).code, 0);
   EXPECT_EQ(slam(two, log.flaser, {"--no-times", "--threads", "2"}).code, 0);
-  for (const char* file : {"trajectory.tum", "graph.g2o", "map.pgm", "map.yaml", "map.png", "summary.json", "report.html"}) {
+  for (const char* file :
+       {"trajectory.tum", "graph.g2o", "map.pgm", "map.yaml", "map.png", "summary.json", "report.html"}) {
     EXPECT_EQ(slurp(one / "out/" + file), slurp(two / "out/" + file)) << file;
   }
   EXPECT_EQ(slurp(one / "out/timing.json"), "");
@@ -160,7 +165,8 @@ TEST(SlamCommand, RefusesWithOneLine) {
   const auto eval = run_command({"eval", "--trajectory", folder.put("t.tum", "1 0 0 0 0 0 0 1\n")});
   EXPECT_EQ(eval.code, 2);
   EXPECT_THAT(eval.err, HasSubstr("--reference"));
-  const auto bad = run_command({"eval", "--trajectory", folder.put("b.tum", "1 0 0 0 0 0 0 1\n1 2 3\n"), "--relations", folder / "r"});
+  const auto bad = run_command(
+      {"eval", "--trajectory", folder.put("b.tum", "1 0 0 0 0 0 0 1\n1 2 3\n"), "--relations", folder / "r"});
   EXPECT_EQ(bad.code, 2);
   EXPECT_THAT(bad.err, HasSubstr("b.tum:2: "));
 }

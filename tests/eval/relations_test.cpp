@@ -39,7 +39,8 @@ TEST(Relations, ReadsFileAndNamesTheBadLine) {
 }
 
 TEST(Relations, ErrorIsInverseRelationTimesEstimate) {
-  const std::vector<StampedPose> trajectory = {{0, {0, 0, 0}}, {1'000'000'000, {1, 0, kPi / 2}}, {2'000'000'000, {1, 1, kPi / 2}}};
+  const std::vector<StampedPose> trajectory = {
+      {0, {0, 0, 0}}, {1'000'000'000, {1, 0, kPi / 2}}, {2'000'000'000, {1, 1, kPi / 2}}};
   // First relation exact, second 0.1 m and 0.2 rad off, third has no pose at 7 s.
   const std::vector<Relation> relations = {{0, 1'000'000'000, {1, 0, kPi / 2}},
                                            {1'000'000'000, 2'000'000'000, {0.9, 0, -0.2}},

@@ -47,7 +47,8 @@ TEST(TrajectoryError, AlignmentBeatsEveryOtherMotionNearby) {
   const auto pairs = associate(moved({1.0, 2.0, -1.0}, estimate), reference);
   const double best = error_stats(absolute_trajectory_errors(pairs)).sse;
   const Pose2 found = align_se2(pairs);
-  for (const Pose2& d : {Pose2{0.01, 0, 0}, Pose2{-0.01, 0, 0}, Pose2{0, 0.01, 0}, Pose2{0, -0.01, 0}, Pose2{0, 0, 0.01}, Pose2{0, 0, -0.01}}) {
+  for (const Pose2& d : {Pose2{0.01, 0, 0}, Pose2{-0.01, 0, 0}, Pose2{0, 0.01, 0}, Pose2{0, -0.01, 0},
+                         Pose2{0, 0, 0.01}, Pose2{0, 0, -0.01}}) {
     double sse = 0.0;
     for (std::size_t i = 0; i < pairs.estimate.size(); ++i) {
       const Pose2 p = d * (found * pairs.estimate[i]);
@@ -82,7 +83,7 @@ TEST(TrajectoryError, HandValues) {
 TEST(TrajectoryError, StepsInFramesAndMetres) {
   AssociatedPoses pairs;
   for (int i = 0; i < 10; ++i) pairs.reference.push_back({0.5 * i, 0, 0}), pairs.estimate.push_back({0.5 * i, 0, 0});
-  EXPECT_EQ(relative_pose_errors(pairs, 3).translation.size(), 3u);                      // 0-3-6-9
+  EXPECT_EQ(relative_pose_errors(pairs, 3).translation.size(), 3u);                       // 0-3-6-9
   EXPECT_EQ(relative_pose_errors(pairs, 1.0, StepUnit::kMetres).translation.size(), 3u);  // ends at 1, 2, 3, 4 m
   EXPECT_THROW(relative_pose_errors(pairs, 0.0), std::invalid_argument);
 }

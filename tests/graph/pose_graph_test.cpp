@@ -29,7 +29,9 @@ TEST(PoseGraph, ExactMeasurementsBringEveryNodeHome) {
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const Pose2 off{random.normal(0, 0.3), random.normal(0, 0.3), random.normal(0, 0.2)};
     graph.add_node(i == 0 ? truth[0] : truth[i] * off);
-    if (i > 0) graph.add_edge({static_cast<int>(i) - 1, static_cast<int>(i), truth[i - 1].inverse() * truth[i], information(0.05, 0.02)});
+    if (i > 0)
+      graph.add_edge(
+          {static_cast<int>(i) - 1, static_cast<int>(i), truth[i - 1].inverse() * truth[i], information(0.05, 0.02)});
   }
   const GraphSummary summary = graph.optimize({100, 2.0, 1e-14});
   EXPECT_LT(summary.final_cost, 1e-10);
@@ -56,8 +58,8 @@ TEST(PoseGraph, TwoOpinionsMeetAtTheirWeightedMean) {
 }
 
 TEST(PoseGraph, ErrorOfALoopIsSpreadEvenly) {
-  // A chain of n equal steps along x, whose end is measured 0.1 m short with the information of one step: every step gives
-  // way by the same amount, 0.1 / (n + 1).
+  // A chain of n equal steps along x, whose end is measured 0.1 m short with the information of one step: every step
+  // gives way by the same amount, 0.1 / (n + 1).
   constexpr int n = 10;
   PoseGraph graph;
   for (int i = 0; i <= n; ++i) {
@@ -66,7 +68,8 @@ TEST(PoseGraph, ErrorOfALoopIsSpreadEvenly) {
   }
   graph.add_edge({0, n, {n - 0.1, 0, 0}, information(0.1, 0.1)});
   graph.optimize({50, 2.0, 1e-15});
-  for (int i = 0; i <= n; ++i) EXPECT_NEAR(graph.poses()[static_cast<std::size_t>(i)].x, i * (1.0 - 0.1 / (n + 1)), 1e-8);
+  for (int i = 0; i <= n; ++i)
+    EXPECT_NEAR(graph.poses()[static_cast<std::size_t>(i)].x, i * (1.0 - 0.1 / (n + 1)), 1e-8);
 }
 
 TEST(PoseGraph, GradientOfTheCostVanishesNumerically) {
@@ -76,7 +79,9 @@ TEST(PoseGraph, GradientOfTheCostVanishesNumerically) {
   for (std::size_t i = 0; i < truth.size(); ++i) {
     graph.add_node(truth[i]);
     const Pose2 noise{random.normal(0, 0.02), random.normal(0, 0.02), random.normal(0, 0.01)};
-    if (i > 0) graph.add_edge({static_cast<int>(i) - 1, static_cast<int>(i), truth[i - 1].inverse() * truth[i] * noise, information(0.02, 0.01)});
+    if (i > 0)
+      graph.add_edge({static_cast<int>(i) - 1, static_cast<int>(i), truth[i - 1].inverse() * truth[i] * noise,
+                      information(0.02, 0.01)});
   }
   graph.add_edge({0, 40, truth[0].inverse() * truth[40], information(0.01, 0.01)});
   graph.optimize({100, 2.0, 1e-16});
@@ -104,9 +109,13 @@ TEST(PoseGraph, AWrongRobustLoopBarelyBendsTheGraphAndShowsInItsChi2) {
   PoseGraph graph;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     graph.add_node(truth[i]);
-    if (i > 0) graph.add_edge({static_cast<int>(i) - 1, static_cast<int>(i), truth[i - 1].inverse() * truth[i], information(0.02, 0.01)});
+    if (i > 0)
+      graph.add_edge(
+          {static_cast<int>(i) - 1, static_cast<int>(i), truth[i - 1].inverse() * truth[i], information(0.02, 0.01)});
   }
-  for (int k = 0; k < 3; ++k) graph.add_edge({k, 40 - k, truth[static_cast<std::size_t>(k)].inverse() * truth[static_cast<std::size_t>(40 - k)], information(0.02, 0.01), true});
+  for (int k = 0; k < 3; ++k)
+    graph.add_edge({k, 40 - k, truth[static_cast<std::size_t>(k)].inverse() * truth[static_cast<std::size_t>(40 - k)],
+                    information(0.02, 0.01), true});
   const int wrong = graph.add_edge({5, 25, {0.1, 0.0, 0.0}, information(0.02, 0.01), true});
   graph.optimize({100, 2.0, 1e-12});
   for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_LT(translation_distance(graph.poses()[i], truth[i]), 0.25) << i;

@@ -46,7 +46,8 @@ TEST(LowcostSlambot, IsClockwiseInMillimetresWithTheSensorBehindTheCentre) {
 }
 
 TEST(LowcostSlambot, CountersAndClockWrapAndMoreTicksLeftTurnRight) {
-  const Read read = read_text(slambot_line(32766, -32767, 65500) + slambot_line(-32766, -32763, 100) + slambot_line(-32762, -32763, 300));
+  const Read read = read_text(slambot_line(32766, -32767, 65500) + slambot_line(-32766, -32763, 100) +
+                              slambot_line(-32762, -32763, 300));
   ASSERT_EQ(read.entries.size(), 3U);
   EXPECT_EQ(read.entries[1].scan.stamp - read.entries[0].scan.stamp, 136'000'000);
   const double metres_per_tick = M_PI * 0.0582 / (1000.0 / 3.0);
@@ -120,8 +121,9 @@ TEST(LowcostPolar, HasAsManyBeamsAsItSaysAndWildNumbersAreOutOfRange) {
 }
 
 TEST(Csv, AScanALineAsRosTopicEchoWritesIt) {
-  std::string text = "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.angle_min,field.angle_max,"
-                     "field.angle_increment,field.time_increment,field.scan_time,field.range_min,field.range_max";
+  std::string text =
+      "%time,field.header.seq,field.header.stamp,field.header.frame_id,field.angle_min,field.angle_max,"
+      "field.angle_increment,field.time_increment,field.scan_time,field.range_min,field.range_max";
   for (int k = 0; k < 5; ++k) text += ",field.ranges" + std::to_string(k);
   text += "\n1600000000000000123,7,1600000000000000123,laser,-1.0,1.0,0.5,0.0,0.1,0.05,10.0,1.0,2.0,inf,0.01,nan\n";
   const Read read = read_text(text);
@@ -161,7 +163,8 @@ TEST(Csv, ABeamALineIsCutIntoTurnsAndUnitsAreGuessed) {
       EXPECT_FLOAT_EQ(scan.intensities[0], 47.0F);
       EXPECT_EQ(scan.stamp, static_cast<Stamp>(turn) * 100'000'000);
     }
-    EXPECT_THAT(read.facts.at("assumed units"), testing::AllOf(testing::HasSubstr("degrees"), testing::HasSubstr("mm")));
+    EXPECT_THAT(read.facts.at("assumed units"),
+                testing::AllOf(testing::HasSubstr("degrees"), testing::HasSubstr("mm")));
   }
 }
 

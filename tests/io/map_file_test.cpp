@@ -20,7 +20,8 @@ class MapFile : public ::testing::Test {
     map_.height = 2;
     map_.resolution_m = 0.05;
     map_.origin = {-1.25, 2.5, 0.0};
-    map_.cells = {CellState::kFree, CellState::kOccupied, CellState::kUnknown, CellState::kUnknown, CellState::kFree, CellState::kFree};
+    map_.cells = {CellState::kFree,    CellState::kOccupied, CellState::kUnknown,
+                  CellState::kUnknown, CellState::kFree,     CellState::kFree};
   }
   ~MapFile() override { std::filesystem::remove_all(folder_); }
   std::string put(const std::string& name, const std::string& text) {
@@ -68,7 +69,8 @@ TEST_F(MapFile, AFreeThresholdOfAQuarterReadsUnknownAsFree) {
 
 TEST_F(MapFile, NegateAndPlainPgm) {
   put("p.pgm", "P2\n# made by hand\n3 1\n255\n0 254 205\n");
-  const std::string yaml = "image: p.pgm\nresolution: 0.1\norigin: [0, 0, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: ";
+  const std::string yaml =
+      "image: p.pgm\nresolution: 0.1\norigin: [0, 0, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\nnegate: ";
   const TrinaryMap plain = read_map(put("p.yaml", yaml + "0\n"));
   EXPECT_EQ(plain.cells, (std::vector<CellState>{CellState::kOccupied, CellState::kFree, CellState::kUnknown}));
   const TrinaryMap negated = read_map(put("n.yaml", yaml + "true\n"));
@@ -79,9 +81,15 @@ TEST_F(MapFile, BadFilesAreRefusedWithAReason) {
   put("short.pgm", "P5\n10 10\n255\nabc");
   put("huge.pgm", "P5\n99999999 99999999\n255\n");
   put("text.pgm", "hello");
-  const auto yaml = [&](const std::string& image) { return "image: " + image + "\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"; };
-  for (const std::string& text : {yaml("short.pgm"), yaml("huge.pgm"), yaml("text.pgm"), yaml("none.pgm"), std::string("image: short.pgm\n"), std::string("[1, 2"),
-                                  std::string("resolution: x\nimage: a\norigin: [0,0,0]\noccupied_thresh: 0.65\nfree_thresh: 0.1\n"), std::string("")}) {
+  const auto yaml = [&](const std::string& image) {
+    return "image: " + image +
+           "\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+  };
+  for (const std::string& text :
+       {yaml("short.pgm"), yaml("huge.pgm"), yaml("text.pgm"), yaml("none.pgm"), std::string("image: short.pgm\n"),
+        std::string("[1, 2"),
+        std::string("resolution: x\nimage: a\norigin: [0,0,0]\noccupied_thresh: 0.65\nfree_thresh: 0.1\n"),
+        std::string("")}) {
     EXPECT_THROW(read_map(put("bad.yaml", text)), InputError) << text;
   }
 }

@@ -23,8 +23,12 @@ ros::Odometry odometry_message(Stamp stamp, double x, double y) {
 }
 
 Scan some_scan(Stamp stamp) {
-  const std::vector<float> raw = {1.5F, 0.0F, std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
-                                  std::numeric_limits<float>::quiet_NaN(), 5.999F};
+  const std::vector<float> raw = {1.5F,
+                                  0.0F,
+                                  std::numeric_limits<float>::infinity(),
+                                  -std::numeric_limits<float>::infinity(),
+                                  std::numeric_limits<float>::quiet_NaN(),
+                                  5.999F};
   Scan scan = make_scan(raw, {-0.5F, 0.125F, 0.1F, 6.0F});
   scan.stamp = stamp;
   scan.time_increment = 0.0009765625;

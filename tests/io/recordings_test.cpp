@@ -21,7 +21,8 @@ const std::string kScanType = "sensor_msgs/LaserScan";
 
 std::vector<float> ranges_of(int k) {
   std::vector<float> out(91);
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = 1.0F + 0.01F * static_cast<float>((static_cast<std::size_t>(k) * 7 + i * 3) % 200);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = 1.0F + 0.01F * static_cast<float>((static_cast<std::size_t>(k) * 7 + i * 3) % 200);
   out[3] = 0.0F;
   out[4] = std::numeric_limits<float>::infinity();
   out[5] = std::numeric_limits<float>::quiet_NaN();
@@ -34,13 +35,16 @@ std::vector<Message> messages(bool ros1, int scans = 11) {
   const std::string slash = ros1 ? "/" : "/msg/";
   std::vector<Message> out;
   out.push_back({"/tf_static", "tf2_msgs" + slash + "TFMessage", kStart,
-                 transforms(ros1, {{kStart, "base_link", "plate", 0.1, 0.0, {}}, {kStart, "plate", "laser", 0.1, 0.05, {0, 0, std::sqrt(0.5), std::sqrt(0.5)}}})});
+                 transforms(ros1, {{kStart, "base_link", "plate", 0.1, 0.0, {}},
+                                   {kStart, "plate", "laser", 0.1, 0.05, {0, 0, std::sqrt(0.5), std::sqrt(0.5)}}})});
   out.push_back({"/chatter", "std_msgs" + slash + "String", kStart, "\1\2\3"});
   for (int k = 0; k < scans; ++k) {
     const std::int64_t t = kStart + k * 100 * kMs;
-    out.push_back({"/odom", "nav_msgs" + slash + "Odometry", t, odometry(ros1, t - 25 * kMs, 0.1 * k - 0.025, 2.0, 0.1 * k)});
+    out.push_back(
+        {"/odom", "nav_msgs" + slash + "Odometry", t, odometry(ros1, t - 25 * kMs, 0.1 * k - 0.025, 2.0, 0.1 * k)});
     out.push_back({"/scan", "sensor_msgs" + slash + "LaserScan", t, laser_scan(ros1, t, ranges_of(k))});
-    out.push_back({"/odom", "nav_msgs" + slash + "Odometry", t + 30 * kMs, odometry(ros1, t + 25 * kMs, 0.1 * k + 0.025, 2.0, 0.1 * k)});
+    out.push_back({"/odom", "nav_msgs" + slash + "Odometry", t + 30 * kMs,
+                   odometry(ros1, t + 25 * kMs, 0.1 * k + 0.025, 2.0, 0.1 * k)});
   }
   return out;
 }
@@ -195,7 +199,8 @@ TEST(Rosbag2, ReadsABareFileAFolderSplitsAndCompression) {
   const auto folder = [&](const std::string& name, const std::string& yaml_files, const std::string& more) {
     std::filesystem::create_directory(dir / name);
     write_bytes(dir / (name + "/metadata.yaml"),
-                "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: sqlite3\n  relative_file_paths:\n" + yaml_files + more);
+                "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: sqlite3\n  relative_file_paths:\n" +
+                    yaml_files + more);
     return dir / name;
   };
   const std::string splits = folder("splits", "    - x_0.db3\n    - x_1.db3\n", "");
@@ -204,7 +209,8 @@ TEST(Rosbag2, ReadsABareFileAFolderSplitsAndCompression) {
   expect_whole(read_all(splits));
 
   // Old recordings name their own folder in front; compressed ones may leave the .zstd out.
-  const std::string old = folder("old", "    - old/x_0.db3\n    - old/x_1.db3\n", "  compression_format: zstd\n  compression_mode: FILE\n");
+  const std::string old =
+      folder("old", "    - old/x_0.db3\n    - old/x_1.db3\n", "  compression_format: zstd\n  compression_mode: FILE\n");
   write_bytes(old + "/x_0.db3.zstd", pack_zstd(read_bytes(splits + "/x_0.db3")));
   write_bytes(old + "/x_1.db3", read_bytes(splits + "/x_1.db3"));
   expect_whole(read_all(old));
@@ -244,9 +250,10 @@ TEST(Rosbag2, RefusesWhatIsNoRecording) {
   EXPECT_THROW(read_all(dir / "bad"), InputError);
   sqlite3* db = nullptr;
   sqlite3_open((dir / "view.db3").c_str(), &db);
-  run_sql(db, "CREATE TABLE topics(id INTEGER, name TEXT, type TEXT, serialization_format TEXT);"
-              "CREATE VIEW messages AS WITH RECURSIVE n(id) AS (SELECT 1 UNION ALL SELECT id + 1 FROM n) "
-              "SELECT id, 1 AS topic_id, 1 AS timestamp, 'x' AS data FROM n");
+  run_sql(db,
+          "CREATE TABLE topics(id INTEGER, name TEXT, type TEXT, serialization_format TEXT);"
+          "CREATE VIEW messages AS WITH RECURSIVE n(id) AS (SELECT 1 UNION ALL SELECT id + 1 FROM n) "
+          "SELECT id, 1 AS topic_id, 1 AS timestamp, 'x' AS data FROM n");
   sqlite3_close(db);
   EXPECT_THROW(read_all(dir / "view.db3"), InputError);
 }
@@ -310,7 +317,8 @@ TEST(RosLog, ScansFarFromAnyOdometryHaveNone) {
 TEST(RosLog, NonsenseInAScanIsReadAsUnknown) {
   const TempFolder dir;
   std::vector<Message> all;
-  all.push_back({"/scan", "sensor_msgs/msg/LaserScan", kStart, laser_scan(false, kStart, ranges_of(1), "laser", 0.0F, 5.0F)});
+  all.push_back(
+      {"/scan", "sensor_msgs/msg/LaserScan", kStart, laser_scan(false, kStart, ranges_of(1), "laser", 0.0F, 5.0F)});
   all.push_back({"/scan", "sensor_msgs/msg/LaserScan", kStart, "no scan at all"});
   write_bytes(dir / "a", mcap(all));
   const Read read = read_all(dir / "a");

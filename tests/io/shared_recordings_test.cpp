@@ -51,10 +51,14 @@ TEST(SharedRecordings, AreTheSameScansInEveryContainer) {
     std::size_t scans, odometry;
     std::vector<const char*> files;
   };
-  for (const Set& set : {Set{360, 0, {"hokuyo-2010-original.bag", "hokuyo-demo.bag", "hokuyo-demo-bz2.bag", "hokuyo-demo.mcap",
-                                      "hokuyo-demo", "hokuyo-demo/hokuyo-demo_0.db3"}},
-                         Set{756, 756, {"breezy-exp1.bag", "breezy-exp1-bz2.bag", "breezy-exp1.mcap", "breezy-exp1",
-                                        "breezy-exp1/breezy-exp1_0.db3"}}}) {
+  for (const Set& set : {Set{360,
+                             0,
+                             {"hokuyo-2010-original.bag", "hokuyo-demo.bag", "hokuyo-demo-bz2.bag", "hokuyo-demo.mcap",
+                              "hokuyo-demo", "hokuyo-demo/hokuyo-demo_0.db3"}},
+                         Set{756,
+                             756,
+                             {"breezy-exp1.bag", "breezy-exp1-bz2.bag", "breezy-exp1.mcap", "breezy-exp1",
+                              "breezy-exp1/breezy-exp1_0.db3"}}}) {
     const Content first = read_content(bags + set.files[0]);
     EXPECT_EQ(first.scans, set.scans);
     EXPECT_EQ(first.odometry, set.odometry);

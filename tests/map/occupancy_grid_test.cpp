@@ -47,7 +47,8 @@ TEST(OccupancyGrid, FreeCellsAreThoseTheRayPassesThrough) {
     grid.add_scan(scan_of({static_cast<float>(range)}, 0.0, 0.1), pose);
     std::set<std::pair<int, int>> touched;
     for (double t = 0.0; t < range; t += 0.0005) {
-      touched.insert({grid.cell_of(pose.x + t * std::cos(pose.theta)), grid.cell_of(pose.y + t * std::sin(pose.theta))});
+      touched.insert(
+          {grid.cell_of(pose.x + t * std::cos(pose.theta)), grid.cell_of(pose.y + t * std::sin(pose.theta))});
     }
     int missed = 0;
     for (const auto& [i, k] : touched) missed += !grid.known(i, k);
@@ -79,7 +80,9 @@ TEST(OccupancyGrid, RaycastAgreesWithBruteForce) {
     const auto found = grid.raycast(from, direction, 10.0);
     double brute = -1.0;
     for (double t = 0.0; t < 10.0 && brute < 0; t += 0.001) {
-      if (grid.log_odds(grid.cell_of(from.x() + t * std::cos(direction)), grid.cell_of(from.y() + t * std::sin(direction))) >= 0.6) brute = t;
+      if (grid.log_odds(grid.cell_of(from.x() + t * std::cos(direction)),
+                        grid.cell_of(from.y() + t * std::sin(direction))) >= 0.6)
+        brute = t;
     }
     ASSERT_EQ(found.has_value(), brute >= 0.0);
     // A corner cut by less than the brute step may be seen by one alone.
@@ -96,7 +99,7 @@ TEST(OccupancyGrid, MissingBeamsClearOnlyBetweenNeighbours) {
   OccupancyGrid grid(options);
   const std::vector<float> with_gap = {2.0F, 0.0F, 3.0F}, alone = {0.0F};
   grid.add_scan(scan_of(with_gap, -0.3, 0.3), {0.05, 0.05, 0.0});
-  EXPECT_NEAR(grid.log_odds(15, 0), -0.1, 1e-9);   // 80 % of the shorter neighbour: 1.6 m
+  EXPECT_NEAR(grid.log_odds(15, 0), -0.1, 1e-9);  // 80 % of the shorter neighbour: 1.6 m
   EXPECT_FALSE(grid.known(17, 0));
   OccupancyGrid empty(options);
   empty.add_scan(scan_of(alone, 0.0, 0.3), {});

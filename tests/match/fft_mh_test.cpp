@@ -16,14 +16,16 @@ MatchOptions mh_options() {
 }
 
 void expect_near(const Pose2& found, const Pose2& truth, double metres, double degrees) {
-  EXPECT_LT(translation_distance(found, truth), metres) << found.x << " " << found.y << " for " << truth.x << " " << truth.y;
+  EXPECT_LT(translation_distance(found, truth), metres)
+      << found.x << " " << found.y << " for " << truth.x << " " << truth.y;
   EXPECT_LT(angle_distance(found.theta, truth.theta), deg_to_rad(degrees)) << found.theta << " for " << truth.theta;
 }
 
 std::vector<Pose2> some_poses() {
   Random random(11);
   std::vector<Pose2> poses;
-  for (int k = 0; k < 12; ++k) poses.push_back({random.uniform(-0.9, 0.9), random.uniform(-0.9, 0.9), random.uniform(-kPi, kPi)});
+  for (int k = 0; k < 12; ++k)
+    poses.push_back({random.uniform(-0.9, 0.9), random.uniform(-0.9, 0.9), random.uniform(-kPi, kPi)});
   return poses;
 }
 
@@ -114,12 +116,17 @@ TEST(FftMh, HopelessScansAreNeverUsable) {
       scan_of([](double) { return 0.0; }),
       scan_of([](double) { return static_cast<double>(std::numeric_limits<float>::quiet_NaN()); }),
       scan_of([](double angle) { return angle < 0.01 ? 2.0 : 0.0; }),
-      scan_of([](double) { return 2.0; }),                                                     // a circle
+      scan_of([](double) { return 2.0; }),                                                           // a circle
       scan_of([](double angle) { return std::min(1.0 / std::max(std::cos(angle), 0.01), 100.0); }),  // one wall
-      scan_of([](double angle) { return std::min(1.0 / std::max(std::abs(std::cos(angle)), 0.01), 100.0); }),  // a corridor
-      scan_of([](double angle) { return std::min(1.0 / std::max(std::abs(std::cos(angle)), 1e-9), 1.0 / std::max(std::abs(std::sin(angle)), 1e-9)); })};  // a square
+      scan_of(
+          [](double angle) { return std::min(1.0 / std::max(std::abs(std::cos(angle)), 0.01), 100.0); }),  // a corridor
+      scan_of([](double angle) {
+        return std::min(1.0 / std::max(std::abs(std::cos(angle)), 1e-9),
+                        1.0 / std::max(std::abs(std::sin(angle)), 1e-9));
+      })};  // a square
   for (std::size_t k = 0; k < hopeless.size(); ++k) {
-    for (const auto& [reference, scan] : {std::pair{room, hopeless[k]}, std::pair{hopeless[k], room}, std::pair{hopeless[k], hopeless[k]}}) {
+    for (const auto& [reference, scan] :
+         {std::pair{room, hopeless[k]}, std::pair{hopeless[k], room}, std::pair{hopeless[k], hopeless[k]}}) {
       const MatchResult result = matcher.match(reference, scan);
       EXPECT_FALSE(result.usable) << k << ", confidence " << result.confidence.value_or(-1);
       EXPECT_TRUE(result.T_ref_scan.is_finite());

@@ -10,9 +10,9 @@
 namespace phasescan {
 namespace {
 
-using testing::ToyLidar;
 using testing::toy_scan;
 using testing::toy_tour;
+using testing::ToyLidar;
 using testing::two_rooms;
 
 constexpr double kPeriod = 0.18;
@@ -25,7 +25,8 @@ struct Drive {
 
 /// Drives the tour and compares each pose with the truth (both start at the first pose).
 template <class Wheels>
-Drive drive(const OdometryOptions& options, const ToyLidar& lidar, const LaserMount& mount, double speed, double turn_rate, Wheels&& wheels) {
+Drive drive(const OdometryOptions& options, const ToyLidar& lidar, const LaserMount& mount, double speed,
+            double turn_rate, Wheels&& wheels) {
   const auto walls = two_rooms();
   const auto tour = toy_tour(kPeriod, speed, turn_rate);
   Random random(21);
@@ -37,7 +38,8 @@ Drive drive(const OdometryOptions& options, const ToyLidar& lidar, const LaserMo
     const Twist2 twist{step.vx / kPeriod, step.vy / kPeriod, step.omega / kPeriod};
     Twist2 laser = mount.laser_twist(twist);
     if (mount.flipped) laser = {laser.vx, -laser.vy, -laser.omega};
-    const Scan scan = toy_scan(walls, tour[i] * mount.T_base_laser, lidar, random, stamp_from_seconds(100.0 + kPeriod * static_cast<double>(i)), laser, mount.flipped);
+    const Scan scan = toy_scan(walls, tour[i] * mount.T_base_laser, lidar, random,
+                               stamp_from_seconds(100.0 + kPeriod * static_cast<double>(i)), laser, mount.flipped);
     const OdometryStep found = odometry.add(scan, mount, wheels(i, tour));
     const Pose2 truth = tour[0].inverse() * tour[i];
     out.worst_m = std::max(out.worst_m, translation_distance(found.T_odom_stamp, truth));
@@ -106,7 +108,8 @@ TEST(Odometry, HoldsStillAtRest) {
   Odometry odometry;
   double farthest = 0.0;
   for (int i = 0; i < 300; ++i) {
-    const OdometryStep step = odometry.add(toy_scan(walls, {0, 0, 0.2}, {}, random, stamp_from_seconds(0.1 * i)), {}, std::nullopt);
+    const OdometryStep step =
+        odometry.add(toy_scan(walls, {0, 0, 0.2}, {}, random, stamp_from_seconds(0.1 * i)), {}, std::nullopt);
     farthest = std::max(farthest, std::hypot(step.T_odom_mid.x, step.T_odom_mid.y));
     if (i > 200) {
       EXPECT_LT(std::abs(step.T_odom_mid.theta), 0.001);
@@ -123,20 +126,30 @@ TEST(Odometry, HostileScansNeverBreakIt) {
   for (int i = 0; i < 120; ++i) {
     Scan scan;
     switch (i % 6) {
-      case 0: break;                                                                    // no beams at all
-      case 1: scan = make_scan(std::vector<float>(90, 0.0F), g); break;                 // nothing seen
-      case 2: scan = make_scan(std::vector<float>(90, 1e30F), g); break;                // nonsense
+      case 0:
+        break;  // no beams at all
+      case 1:
+        scan = make_scan(std::vector<float>(90, 0.0F), g);
+        break;  // nothing seen
+      case 2:
+        scan = make_scan(std::vector<float>(90, 1e30F), g);
+        break;  // nonsense
       case 3: {
         std::vector<float> noise(90);
         for (float& r : noise) r = static_cast<float>(random.uniform(0.05, 20.0));
         scan = make_scan(noise, g);
         break;
       }
-      case 4: scan = make_scan(std::vector<float>(1, 2.0F), g); break;
-      default: scan = toy_scan(walls, {0, 0, 0}, {}, random, 0); break;
+      case 4:
+        scan = make_scan(std::vector<float>(1, 2.0F), g);
+        break;
+      default:
+        scan = toy_scan(walls, {0, 0, 0}, {}, random, 0);
+        break;
     }
     scan.stamp = i % 7 == 0 ? -1'000'000'000'000 : stamp_from_seconds(0.1 * i);
-    const OdometryStep step = odometry.add(scan, {}, i % 5 == 0 ? std::optional<Pose2>(Pose2{1e8, std::nan(""), 0}) : std::nullopt);
+    const OdometryStep step =
+        odometry.add(scan, {}, i % 5 == 0 ? std::optional<Pose2>(Pose2{1e8, std::nan(""), 0}) : std::nullopt);
     EXPECT_TRUE(step.T_odom_mid.is_finite());
     EXPECT_TRUE(step.T_odom_stamp.is_finite());
     EXPECT_TRUE(step.information.allFinite());

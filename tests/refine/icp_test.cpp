@@ -108,8 +108,8 @@ TEST(Icp, MovesTheScanOntoTheReference) {
 }
 
 TEST(Icp, KeptNeighboursAreTheTrueOnes) {
-  // The pairs of the last iteration, found with neighbours kept from earlier ones, against a fresh search at the last pose but
-  // one: at rest both poses are the same to the tolerance.
+  // The pairs of the last iteration, found with neighbours kept from earlier ones, against a fresh search at the last
+  // pose but one: at rest both poses are the same to the tolerance.
   const ScanPoints reference = room_points({}, 360, 0.01, 3), scan = room_points({0.1, 0.05, 0.05}, 360, 0.01, 4);
   PointIndex index;
   index.build(reference);
@@ -120,7 +120,8 @@ TEST(Icp, KeptNeighboursAreTheTrueOnes) {
     const auto i = static_cast<std::size_t>(pair.scan);
     const Eigen::Vector2d p = found.T_ref_scan * Eigen::Vector2d(scan.x[i], scan.y[i]);
     const NearestPair nearest = index.nearest(static_cast<float>(p.x()), static_cast<float>(p.y()));
-    const double kept = std::hypot(static_cast<double>(index.x(pair.reference)) - p.x(), static_cast<double>(index.y(pair.reference)) - p.y());
+    const double kept = std::hypot(static_cast<double>(index.x(pair.reference)) - p.x(),
+                                   static_cast<double>(index.y(pair.reference)) - p.y());
     EXPECT_NEAR(kept, static_cast<double>(nearest.distance), 1e-3);
   }
 }

@@ -29,7 +29,8 @@ TEST(Ndt, GradientAndHessianAreThoseOfTheScore) {
     const NdtScore at = map.evaluate(scan, pose);
     const double h = 1e-7;
     for (int axis = 0; axis < 3; ++axis) {
-      const NdtScore plus = map.evaluate(scan, nudged(pose, axis, h)), minus = map.evaluate(scan, nudged(pose, axis, -h));
+      const NdtScore plus = map.evaluate(scan, nudged(pose, axis, h)),
+                     minus = map.evaluate(scan, nudged(pose, axis, -h));
       EXPECT_NEAR((plus.value - minus.value) / (2 * h), at.gradient(axis), 1e-3 * (1.0 + at.gradient.norm()));
       const Eigen::Vector3d column = (plus.gradient - minus.gradient) / (2 * h);
       EXPECT_LT((column - at.hessian.col(axis)).norm(), 1e-3 * (1.0 + at.hessian.norm()));
@@ -54,7 +55,8 @@ TEST(Ndt, TheScoreIsLowestAtTheTruth) {
   map.build(room_points({}), 0.5, NdtOptions{});
   const ScanPoints scan = room_points({}, 5);
   const double best = map.evaluate(scan, {}).value;
-  for (const Pose2& pose : {Pose2{0.1, 0, 0}, Pose2{0, -0.1, 0}, Pose2{0, 0, 0.1}}) EXPECT_LT(best, map.evaluate(scan, pose).value);
+  for (const Pose2& pose : {Pose2{0.1, 0, 0}, Pose2{0, -0.1, 0}, Pose2{0, 0, 0.1}})
+    EXPECT_LT(best, map.evaluate(scan, pose).value);
 }
 
 TEST(Ndt, NoPointsAndFarPointsAreHarmless) {

@@ -16,8 +16,9 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 TEST(Scan, SaysWhyEachBeamIsMissing) {
   const std::vector<float> raw{1.0F, 0.0F, kInf, -kInf, kNan, -2.0F, 0.05F, 9.0F};
   const Scan scan = make_scan(raw, {0.0, 0.1, 0.15, 6.0});
-  const std::vector<BeamState> expected{BeamState::kHit,     BeamState::kNoReturn, BeamState::kOutOfRange, BeamState::kTooNear,
-                                        BeamState::kInvalid, BeamState::kInvalid,  BeamState::kTooNear,    BeamState::kOutOfRange};
+  const std::vector<BeamState> expected{BeamState::kHit,     BeamState::kNoReturn,  BeamState::kOutOfRange,
+                                        BeamState::kTooNear, BeamState::kInvalid,   BeamState::kInvalid,
+                                        BeamState::kTooNear, BeamState::kOutOfRange};
   EXPECT_EQ(scan.states, expected);
   for (std::size_t i = 1; i < raw.size(); ++i) EXPECT_TRUE(std::isnan(scan.ranges[i])) << i;
   EXPECT_EQ(scan.hit_count(), 1U);

@@ -36,8 +36,10 @@ TEST(PlaceIndex, AgreesWithBruteForce) {
     const PlaceDescriptor query = random_descriptor(random);
     for (const std::size_t limit : {std::size_t{0}, std::size_t{3}, std::size_t{700}}) {
       std::vector<PlaceHit> expected;
-      for (std::size_t i = 0; i < (limit ? limit : all.size()); ++i) expected.push_back({static_cast<std::uint32_t>(i), distance(query, all[i])});
-      std::stable_sort(expected.begin(), expected.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
+      for (std::size_t i = 0; i < (limit ? limit : all.size()); ++i)
+        expected.push_back({static_cast<std::uint32_t>(i), distance(query, all[i])});
+      std::stable_sort(expected.begin(), expected.end(),
+                       [](const auto& a, const auto& b) { return a.distance < b.distance; });
       const auto found = index.nearest(query, 10, limit);
       ASSERT_EQ(found.size(), std::min<std::size_t>(10, expected.size()));
       for (std::size_t r = 0; r < found.size(); ++r) {
@@ -60,7 +62,8 @@ TEST(PlaceDescriber, HardlyChangesWithAnyTurnAndMoreWithAnotherPlace) {
     return describer.describe(points.x, points.y);
   };
   const PlaceDescriptor here = describe({0, 0, 0}), elsewhere = describe({6.5, -0.5, 0});
-  for (const double turn : {0.3, 1.1, 2.0, 3.0, -2.2}) EXPECT_LT(1.25 * distance(here, describe({0.05, 0.02, turn})), distance(here, elsewhere)) << turn;
+  for (const double turn : {0.3, 1.1, 2.0, 3.0, -2.2})
+    EXPECT_LT(1.25 * distance(here, describe({0.05, 0.02, turn})), distance(here, elsewhere)) << turn;
   EXPECT_EQ(describer.describe({}, {}), PlaceDescriptor{});
 }
 

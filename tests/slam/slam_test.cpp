@@ -13,9 +13,9 @@
 namespace phasescan {
 namespace {
 
-using testing::ToyLidar;
 using testing::toy_scan;
 using testing::toy_tour;
+using testing::ToyLidar;
 using testing::two_rooms;
 
 struct TourResult {

@@ -51,11 +51,13 @@ struct Quaternion {
   double x = 0, y = 0, z = 0, w = 1;
 };
 
-inline std::string laser_scan(bool ros1, std::int64_t stamp, const std::vector<float>& ranges, const std::string& frame = "laser",
-                              float range_max = 12.0F, float time_increment = 0.0F) {
+inline std::string laser_scan(bool ros1, std::int64_t stamp, const std::vector<float>& ranges,
+                              const std::string& frame = "laser", float range_max = 12.0F,
+                              float time_increment = 0.0F) {
   Wire wire = Wire::make(ros1);
   wire.header(stamp, frame);
-  for (const float value : {-1.5F, 1.5F, 3.0F / static_cast<float>(ranges.size() - 1), time_increment, 0.1F, 0.1F, range_max}) {
+  for (const float value :
+       {-1.5F, 1.5F, 3.0F / static_cast<float>(ranges.size() - 1), time_increment, 0.1F, 0.1F, range_max}) {
     wire.put(value);
   }
   wire.put(static_cast<std::uint32_t>(ranges.size()));
@@ -68,7 +70,8 @@ inline void put_pose(Wire& wire, double x, double y, Quaternion q) {
   for (const double value : {x, y, 0.0, q.x, q.y, q.z, q.w}) wire.put(value);
 }
 
-inline std::string odometry(bool ros1, std::int64_t stamp, double x, double y, double theta, const std::string& child = "base_link") {
+inline std::string odometry(bool ros1, std::int64_t stamp, double x, double y, double theta,
+                            const std::string& child = "base_link") {
   Wire wire = Wire::make(ros1);
   wire.header(stamp, "odom");
   wire.text(child);
@@ -106,12 +109,16 @@ inline std::string u32(std::size_t value) {
   const auto raw = static_cast<std::uint32_t>(value);
   return {reinterpret_cast<const char*>(&raw), 4};
 }
-inline std::string u64(std::uint64_t value) { return {reinterpret_cast<const char*>(&value), 8}; }
+inline std::string u64(std::uint64_t value) {
+  return {reinterpret_cast<const char*>(&value), 8};
+}
 inline std::string u16(std::size_t value) {
   const auto raw = static_cast<std::uint16_t>(value);
   return {reinterpret_cast<const char*>(&raw), 2};
 }
-inline std::string prefixed(const std::string& text) { return u32(text.size()) + text; }
+inline std::string prefixed(const std::string& text) {
+  return u32(text.size()) + text;
+}
 
 inline std::string pack_bz2(const std::string& in) {
   std::string out(in.size() + in.size() / 50 + 1000, '\0');
@@ -142,7 +149,7 @@ inline std::string bag_record(const std::map<std::string, std::string>& fields, 
 struct BagStyle {
   std::string compression = "none";
   bool indexed = true;
-  bool index_of_2010 = false;        ///< states 20 bytes an index entry
+  bool index_of_2010 = false;  ///< states 20 bytes an index entry
   std::size_t messages_a_chunk = 4;
 };
 
@@ -154,7 +161,8 @@ inline std::string rosbag1(const std::vector<Message>& messages, const BagStyle&
     if (borders != nullptr) borders->push_back(bag.size());
   };
   mark();
-  bag += bag_record({{"op", "\3"}, {"index_pos", u64(0)}, {"conn_count", u32(0)}, {"chunk_count", u32(0)}}, std::string(3000, ' '));
+  bag += bag_record({{"op", "\3"}, {"index_pos", u64(0)}, {"conn_count", u32(0)}, {"chunk_count", u32(0)}},
+                    std::string(3000, ' '));
   std::map<std::string, std::uint32_t> ids;
   std::string connections;
   for (std::size_t begin = 0; begin < messages.size(); begin += style.messages_a_chunk) {
@@ -166,15 +174,19 @@ inline std::string rosbag1(const std::vector<Message>& messages, const BagStyle&
       const std::string time = u32(static_cast<std::size_t>(message.stamp / 1'000'000'000)) +
                                u32(static_cast<std::size_t>(message.stamp % 1'000'000'000));
       if (is_new) {
-        const std::string about = prefixed("topic=" + message.topic) + prefixed("type=" + message.type) + prefixed("md5sum=*");
-        const std::string record = bag_record({{"op", "\7"}, {"conn", u32(id->second)}, {"topic", message.topic}}, about);
+        const std::string about =
+            prefixed("topic=" + message.topic) + prefixed("type=" + message.type) + prefixed("md5sum=*");
+        const std::string record =
+            bag_record({{"op", "\7"}, {"conn", u32(id->second)}, {"topic", message.topic}}, about);
         chunk += record;
         connections += record;
       }
       index[id->second] += time + u32(chunk.size());
       chunk += bag_record({{"op", "\2"}, {"conn", u32(id->second)}, {"time", time}}, message.data);
     }
-    const std::string packed = style.compression == "bz2" ? pack_bz2(chunk) : style.compression == "lz4" ? pack_lz4(chunk) : chunk;
+    const std::string packed = style.compression == "bz2"   ? pack_bz2(chunk)
+                               : style.compression == "lz4" ? pack_lz4(chunk)
+                                                            : chunk;
     mark();
     bag += bag_record({{"op", "\5"}, {"compression", style.compression}, {"size", u32(chunk.size())}}, packed);
     for (const auto& [id, entries] : index) {
@@ -194,10 +206,12 @@ inline std::string rosbag1(const std::vector<Message>& messages, const BagStyle&
 
 // --- MCAP ------------------------------------------------------------------------------------------------------------
 
-inline std::string mcap_record(int op, const std::string& body) { return std::string(1, static_cast<char>(op)) + u64(body.size()) + body; }
+inline std::string mcap_record(int op, const std::string& body) {
+  return std::string(1, static_cast<char>(op)) + u64(body.size()) + body;
+}
 
 struct McapStyle {
-  std::string compression;           ///< "", lz4, zstd
+  std::string compression;  ///< "", lz4, zstd
   bool chunked = true;
   bool end_records = true;
   std::uint32_t crc = 0;             ///< stated for every chunk; 0 = unchecked
@@ -206,7 +220,8 @@ struct McapStyle {
   std::size_t messages_a_chunk = 4;
 };
 
-inline std::string mcap(const std::vector<Message>& messages, const McapStyle& style = {}, std::vector<std::size_t>* borders = nullptr) {
+inline std::string mcap(const std::vector<Message>& messages, const McapStyle& style = {},
+                        std::vector<std::size_t>* borders = nullptr) {
   const std::string magic("\x89MCAP0\r\n", 8);
   std::string file = magic + mcap_record(1, prefixed("ros2") + prefixed("fixture"));
   const auto mark = [&] {
@@ -220,7 +235,8 @@ inline std::string mcap(const std::vector<Message>& messages, const McapStyle& s
       const auto [id, is_new] = ids.emplace(message.topic, ids.size() + 1);
       if (is_new) {
         chunk += mcap_record(3, u16(id->second) + prefixed(message.type) + prefixed("ros2msg") + prefixed("# text"));
-        chunk += mcap_record(4, u16(id->second) + u16(id->second) + prefixed(message.topic) + prefixed(style.encoding) + u32(0));
+        chunk += mcap_record(
+            4, u16(id->second) + u16(id->second) + prefixed(message.topic) + prefixed(style.encoding) + u32(0));
       }
       const std::string data = style.message_compression ? pack_zstd(message.data) : message.data;
       chunk += mcap_record(5, u16(id->second) + u32(i) + u64(static_cast<std::uint64_t>(message.stamp)) +
@@ -231,8 +247,11 @@ inline std::string mcap(const std::vector<Message>& messages, const McapStyle& s
       file += chunk;
       continue;
     }
-    const std::string packed = style.compression == "lz4" ? pack_lz4(chunk) : style.compression == "zstd" ? pack_zstd(chunk) : chunk;
-    file += mcap_record(6, u64(0) + u64(0) + u64(chunk.size()) + u32(style.crc) + prefixed(style.compression) + u64(packed.size()) + packed);
+    const std::string packed = style.compression == "lz4"    ? pack_lz4(chunk)
+                               : style.compression == "zstd" ? pack_zstd(chunk)
+                                                             : chunk;
+    file += mcap_record(6, u64(0) + u64(0) + u64(chunk.size()) + u32(style.crc) + prefixed(style.compression) +
+                               u64(packed.size()) + packed);
   }
   mark();
   if (style.end_records) file += mcap_record(0x0F, u32(0)) + mcap_record(2, u64(0) + u64(0) + u32(0)) + magic;
@@ -246,22 +265,24 @@ inline void run_sql(sqlite3* db, const std::string& sql) {
   if (sqlite3_exec(db, sql.c_str(), nullptr, nullptr, &error) != SQLITE_OK) throw std::runtime_error(error);
 }
 
-inline void rosbag2_sqlite(const std::string& path, const std::vector<Message>& messages, bool message_compression = false,
-                           int page_size = 4096) {
+inline void rosbag2_sqlite(const std::string& path, const std::vector<Message>& messages,
+                           bool message_compression = false, int page_size = 4096) {
   std::remove(path.c_str());
   sqlite3* db = nullptr;
   if (sqlite3_open(path.c_str(), &db) != SQLITE_OK) throw std::runtime_error("cannot make " + path);
   run_sql(db, "PRAGMA page_size=" + std::to_string(page_size));
-  run_sql(db,
-          "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
-          "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);"
-          "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data BLOB NOT NULL);"
-          "CREATE INDEX timestamp_idx ON messages (timestamp ASC); BEGIN");
+  run_sql(
+      db,
+      "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
+      "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);"
+      "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data BLOB NOT NULL);"
+      "CREATE INDEX timestamp_idx ON messages (timestamp ASC); BEGIN");
   std::map<std::string, std::size_t> ids;
   for (const Message& message : messages) {
     const auto [id, is_new] = ids.emplace(message.topic, ids.size() + 1);
     if (is_new) {
-      run_sql(db, "INSERT INTO topics VALUES(" + std::to_string(id->second) + ",'" + message.topic + "','" + message.type + "','cdr','')");
+      run_sql(db, "INSERT INTO topics VALUES(" + std::to_string(id->second) + ",'" + message.topic + "','" +
+                      message.type + "','cdr','')");
     }
     const std::string data = message_compression ? pack_zstd(message.data) : message.data;
     sqlite3_stmt* insert = nullptr;

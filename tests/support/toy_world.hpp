@@ -41,22 +41,26 @@ inline double toy_range(const std::vector<Wall>& walls, const Eigen::Vector2d& f
 
 struct ToyLidar {
   int beams = 360;
-  double range_max = 8.0, noise = 0.008, turn_s = 0.0;  ///< turn_s > 0: beams are fired one after the other while the robot moves
+  double range_max = 8.0, noise = 0.008,
+         turn_s = 0.0;  ///< turn_s > 0: beams are fired one after the other while the robot moves
   double field = kTwoPi;
 };
 
-/// A scan from T_world_laser (at its first beam) while the laser moves with `twist`. With `flipped`, beams run clockwise seen from above.
-inline Scan toy_scan(const std::vector<Wall>& walls, const Pose2& T_world_laser, const ToyLidar& lidar, Random& random, Stamp stamp,
-                     const Twist2& twist = {}, bool flipped = false) {
+/// A scan from T_world_laser (at its first beam) while the laser moves with `twist`. With `flipped`, beams run
+/// clockwise seen from above.
+inline Scan toy_scan(const std::vector<Wall>& walls, const Pose2& T_world_laser, const ToyLidar& lidar, Random& random,
+                     Stamp stamp, const Twist2& twist = {}, bool flipped = false) {
   ScanGeometry g;
   g.angle_min = -0.5 * lidar.field;
   g.angle_increment = lidar.field / lidar.beams;
   g.range_max = lidar.range_max;
   std::vector<float> ranges;
   for (int i = 0; i < lidar.beams; ++i) {
-    const Pose2 pose = lidar.turn_s > 0.0 ? T_world_laser * exp_twist(twist, lidar.turn_s * i / lidar.beams) : T_world_laser;
+    const Pose2 pose =
+        lidar.turn_s > 0.0 ? T_world_laser * exp_twist(twist, lidar.turn_s * i / lidar.beams) : T_world_laser;
     const double angle = g.angle_min + i * g.angle_increment;
-    ranges.push_back(static_cast<float>(toy_range(walls, pose.translation(), pose.theta + (flipped ? -angle : angle)) + random.normal(0.0, lidar.noise)));
+    ranges.push_back(static_cast<float>(toy_range(walls, pose.translation(), pose.theta + (flipped ? -angle : angle)) +
+                                        random.normal(0.0, lidar.noise)));
   }
   Scan scan = make_scan(ranges, g);
   scan.stamp = stamp;
@@ -64,9 +68,11 @@ inline Scan toy_scan(const std::vector<Wall>& walls, const Pose2& T_world_laser,
   return scan;
 }
 
-/// A tour through both rooms and back, `laps` times: one pose per scan, `period_s` apart, at `speed` and at most `turn_rate`.
+/// A tour through both rooms and back, `laps` times: one pose per scan, `period_s` apart, at `speed` and at most
+/// `turn_rate`.
 inline std::vector<Pose2> toy_tour(double period_s, double speed, double turn_rate, int laps = 1) {
-  const std::vector<Eigen::Vector2d> stops = {{0, 0}, {2.2, 0}, {4, 0}, {6.5, -1}, {7.2, 1}, {4.5, 0.9}, {3.6, 0}, {2, 0.1}, {-1.5, -1.2}, {-1.6, 0.4}, {0, 0}};
+  const std::vector<Eigen::Vector2d> stops = {{0, 0},   {2.2, 0}, {4, 0},       {6.5, -1},   {7.2, 1}, {4.5, 0.9},
+                                              {3.6, 0}, {2, 0.1}, {-1.5, -1.2}, {-1.6, 0.4}, {0, 0}};
   std::vector<Pose2> poses;
   Pose2 pose{0, 0, 0};
   poses.push_back(pose);

@@ -37,7 +37,8 @@ TEST(SparseCorrelation, GivesTheSumsOfAPlainLoop) {
       int row_max = 0;
       for (int u = 0; u < kWindow; ++u) {
         int sum = 0;
-        for (const std::int32_t offset : c.offsets) sum += c.table[static_cast<std::size_t>(offset + r * ScoreTable::kStride + u)];
+        for (const std::int32_t offset : c.offsets)
+          sum += c.table[static_cast<std::size_t>(offset + r * ScoreTable::kStride + u)];
         ASSERT_EQ(window.sum[r * kWindow + u], sum) << points << " points, row " << r << ", column " << u;
         row_max = std::max(row_max, sum);
       }

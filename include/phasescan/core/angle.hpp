@@ -23,9 +23,15 @@ inline double wrap_positive(double angle) {
 }
 
 /// Unsigned smallest turn between two directions, in [0, pi].
-inline double angle_distance(double a, double b) { return std::abs(wrap_angle(a - b)); }
+inline double angle_distance(double a, double b) {
+  return std::abs(wrap_angle(a - b));
+}
 
-inline constexpr double deg_to_rad(double degrees) { return degrees * (kPi / 180.0); }
-inline constexpr double rad_to_deg(double radians) { return radians * (180.0 / kPi); }
+inline constexpr double deg_to_rad(double degrees) {
+  return degrees * (kPi / 180.0);
+}
+inline constexpr double rad_to_deg(double radians) {
+  return radians * (180.0 / kPi);
+}
 
 }  // namespace phasescan

@@ -1,5 +1,5 @@
-/// Approximations for inner loops: plain float arithmetic without tables or library calls, so that every CPU gives the same
-/// value and compilers can vectorise them.
+/// Approximations for inner loops: plain float arithmetic without tables or library calls, so that every CPU gives the
+/// same value and compilers can vectorise them.
 #pragma once
 
 #include <cmath>

@@ -35,15 +35,13 @@ template <class E>
 std::span<const std::string_view> enum_names() = delete;
 
 template <class E>
-  requires std::is_enum_v<E>
-std::string_view to_string(E value) {
+requires std::is_enum_v<E> std::string_view to_string(E value) {
   return enum_names<E>()[static_cast<std::size_t>(value)];
 }
 
 /// Parses an enum name. @throws std::invalid_argument naming the choices.
 template <class E>
-  requires std::is_enum_v<E>
-E enum_from_string(std::string_view text) {
+requires std::is_enum_v<E> E enum_from_string(std::string_view text) {
   const auto names = enum_names<E>();
   std::string choices;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -62,9 +60,9 @@ void validate_options(std::string_view section, const Options& options) {
     if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
       const double number = static_cast<double>(value);
       if (!(number >= info.min && number <= info.max)) {
-        throw std::invalid_argument(std::string(section) + "." + std::string(name) + ": value " + std::to_string(value) +
-                                    " is outside " + std::to_string(info.min) + ".." + std::to_string(info.max) +
-                                    (info.unit.empty() ? "" : " " + std::string(info.unit)));
+        throw std::invalid_argument(std::string(section) + "." + std::string(name) + ": value " +
+                                    std::to_string(value) + " is outside " + std::to_string(info.min) + ".." +
+                                    std::to_string(info.max) + (info.unit.empty() ? "" : " " + std::string(info.unit)));
       }
     }
   });

@@ -1,4 +1,5 @@
-/// SE(2): planar poses and velocities. Frames stand in the variable's name: `T_a_b` takes points of frame b into frame a.
+/// SE(2): planar poses and velocities. Frames stand in the variable's name: `T_a_b` takes points of frame b into frame
+/// a.
 #pragma once
 
 #include <Eigen/Core>
@@ -54,7 +55,9 @@ Pose2 exp_twist(const Twist2& twist, double seconds = 1.0);
 Twist2 log_pose(const Pose2& pose);
 
 /// Distance between the origins [m].
-inline double translation_distance(const Pose2& a, const Pose2& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+inline double translation_distance(const Pose2& a, const Pose2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
 
 /// Covariance of (x, y, theta) of a * b, given that of b in a's child frame: J C J^T with J = d(a*b)/db.
 Eigen::Matrix3d transport_covariance(const Pose2& a, const Eigen::Matrix3d& covariance_b);

@@ -5,7 +5,8 @@
 
 namespace phasescan {
 
-/// xoshiro256** generator [Blackman18] with splitmix64 seeding. Streams with different seeds are independent for our use.
+/// xoshiro256** generator [Blackman18] with splitmix64 seeding. Streams with different seeds are independent for our
+/// use.
 class Random {
  public:
   explicit Random(std::uint64_t seed);

@@ -17,7 +17,9 @@ inline Stamp stamp_from_seconds(double seconds) {
   const double whole = std::floor(seconds);
   return static_cast<Stamp>(whole) * 1'000'000'000 + static_cast<Stamp>(std::llround((seconds - whole) * 1e9));
 }
-inline double stamp_to_seconds(Stamp stamp) { return static_cast<double>(stamp) * 1e-9; }
+inline double stamp_to_seconds(Stamp stamp) {
+  return static_cast<double>(stamp) * 1e-9;
+}
 
 /// CPU time of the calling thread [s].
 inline double thread_cpu_seconds() {

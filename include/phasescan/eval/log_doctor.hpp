@@ -19,8 +19,8 @@ struct Finding {
   std::string advice;   ///< what to do
 };
 
-/// Looks at a log scan by scan; memory is bounded by the beams of one scan. Motion is judged by matching: turns and paths
-/// of up to 240 pairs of scans, spread over the log by doubling the distance between them.
+/// Looks at a log scan by scan; memory is bounded by the beams of one scan. Motion is judged by matching: turns and
+/// paths of up to 240 pairs of scans, spread over the log by doubling the distance between them.
 /// @cost about a match per scan at the beginning of a log, ever fewer later
 class LogDoctor {
  public:

@@ -26,9 +26,9 @@ std::vector<Relation> read_relations(const std::string& path);
 /// Errors of the relations that both ends of the trajectory answer: error = inv(relation) * estimate.
 struct RelationErrors {
   std::size_t relations = 0;
-  std::size_t unanswered = 0;       ///< no pose within the allowed gap of one of the two stamps
-  std::vector<double> translation;  ///< [m]
-  std::vector<double> rotation;     ///< [rad], absolute
+  std::size_t unanswered = 0;              ///< no pose within the allowed gap of one of the two stamps
+  std::vector<double> translation;         ///< [m]
+  std::vector<double> rotation;            ///< [rad], absolute
   double worst_translation_stamp_a = 0.0;  ///< where to look first [s]
 };
 

@@ -24,9 +24,11 @@ struct AssociatedPoses {
   std::vector<Pose2> reference;
 };
 
-/// Pairs every pose of the shorter trajectory with the nearest in time of the longer one, if no more than `max_gap_s` apart.
+/// Pairs every pose of the shorter trajectory with the nearest in time of the longer one, if no more than `max_gap_s`
+/// apart.
 /// @cost O(n log m). Stamps need not be in order.
-AssociatedPoses associate(std::span<const StampedPose> estimate, std::span<const StampedPose> reference, double max_gap_s = 0.01);
+AssociatedPoses associate(std::span<const StampedPose> estimate, std::span<const StampedPose> reference,
+                          double max_gap_s = 0.01);
 
 /// The rigid motion T_reference_estimate that brings the estimate's positions nearest to the reference's in the
 /// least-squares sense (Umeyama without scale [Ume91]). Identity for empty input, a pure shift for one pose.
@@ -46,6 +48,7 @@ struct RelativeErrors {
 
 /// RPE over steps that follow each other: every `delta` frames, or every time the estimate has gone `delta` metres.
 /// @throws std::invalid_argument for delta <= 0.
-RelativeErrors relative_pose_errors(const AssociatedPoses& poses, double delta = 1.0, StepUnit unit = StepUnit::kFrames);
+RelativeErrors relative_pose_errors(const AssociatedPoses& poses, double delta = 1.0,
+                                    StepUnit unit = StepUnit::kFrames);
 
 }  // namespace phasescan

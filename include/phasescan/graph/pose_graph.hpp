@@ -10,8 +10,8 @@
 
 namespace phasescan {
 
-/// What is known between two nodes. The error is e = (T_from_to^-1 * (X_from^-1 * X_to)) as (x, y, theta), as in g2o's EDGE_SE2;
-/// `information` is the inverse covariance of e.
+/// What is known between two nodes. The error is e = (T_from_to^-1 * (X_from^-1 * X_to)) as (x, y, theta), as in g2o's
+/// EDGE_SE2; `information` is the inverse covariance of e.
 struct PoseEdge {
   int from = 0;
   int to = 0;
@@ -23,7 +23,7 @@ struct PoseEdge {
 
 struct GraphOptions {
   int max_iterations = 20;
-  double kernel_width = 2.0;  ///< of the robust kernel, in standard deviations
+  double kernel_width = 2.0;         ///< of the robust kernel, in standard deviations
   double relative_tolerance = 1e-6;  ///< stop when the cost falls by less
 };
 
@@ -38,7 +38,8 @@ struct GraphSummary {
 class PoseGraph {
  public:
   int add_node(const Pose2& pose);
-  /// @throws std::invalid_argument for a node that does not exist, a self edge, or an information matrix that is not finite
+  /// @throws std::invalid_argument for a node that does not exist, a self edge, or an information matrix that is not
+  /// finite
   ///         or not positive definite.
   int add_edge(const PoseEdge& edge);
   void set_enabled(int edge, bool enabled) { edges_[static_cast<std::size_t>(edge)].enabled = enabled; }
@@ -52,11 +53,13 @@ class PoseGraph {
   Pose2 edge_error(int edge) const;
   double edge_chi2(int edge) const;
 
-  /// Moves all nodes but the first to the least weighted squares [Grisetti10]. Deterministic: one thread, a fixed order.
+  /// Moves all nodes but the first to the least weighted squares [Grisetti10]. Deterministic: one thread, a fixed
+  /// order.
   /// @cost sparse Cholesky per iteration: about 3 us a node for graphs of this kind
   GraphSummary optimize(const GraphOptions& options = {});
 
-  /// Marginal covariance of a node's (x, y, theta) relative to node 0, at the present poses; empty if it is not determined.
+  /// Marginal covariance of a node's (x, y, theta) relative to node 0, at the present poses; empty if it is not
+  /// determined.
   std::optional<Eigen::Matrix3d> covariance(int node) const;
 
  private:

@@ -12,11 +12,11 @@ namespace phasescan {
 
 /// Scores of the cells, 0..kMaxScore: small integers, so that thirty of them add up within a byte.
 struct ScoreTableValues {
-  std::uint8_t surface = 8;   ///< a hit lies in the cell
-  std::uint8_t beside = 6;    ///< a hit lies in a neighbouring cell
-  std::uint8_t unknown = 3;   ///< the scan says nothing of the cell
-  std::uint8_t empty = 2;     ///< the sensor saw nothing in that direction
-  std::uint8_t free = 0;      ///< a beam went through the cell
+  std::uint8_t surface = 8;  ///< a hit lies in the cell
+  std::uint8_t beside = 6;   ///< a hit lies in a neighbouring cell
+  std::uint8_t unknown = 3;  ///< the scan says nothing of the cell
+  std::uint8_t empty = 2;    ///< the sensor saw nothing in that direction
+  std::uint8_t free = 0;     ///< a beam went through the cell
 };
 
 /// Square of kCells x kCells cells around the sensor, framed by kFrame cells of `unknown`, row-major, row = y.
@@ -29,7 +29,8 @@ class ScoreTable {
 
   /// The table reaches `half_width_m` from the sensor in x and y.
   /// @cost O(kCells^2 + hits); allocates once
-  void build(const SurfacePoints& surface, const BearingTable& bearings, double half_width_m, const ScoreTableValues& values);
+  void build(const SurfacePoints& surface, const BearingTable& bearings, double half_width_m,
+             const ScoreTableValues& values);
 
   const std::uint8_t* data() const { return cells_.data(); }
   float cell() const { return cell_; }

@@ -16,12 +16,13 @@ namespace phasescan {
 /// One laser message of a log.
 struct LogEntry {
   Scan scan;
-  std::optional<Pose2> odometry;   ///< T_odom_base at the scan's stamp (of the laser where the log knows no base)
-  std::optional<Pose2> corrected;  ///< what the log itself calls its estimate (FLASER's first pose); never used to match or map
-  Pose2 T_base_laser;              ///< where the laser sits; identity where the log does not say
-  bool flipped = false;            ///< the laser is mounted upside down: its y axis points to the robot's right
-  std::string laser;               ///< topic or CARMEN keyword: which laser
-  long line = 0;                   ///< 1-based line of a text log, ordinal of the message in a binary one
+  std::optional<Pose2> odometry;  ///< T_odom_base at the scan's stamp (of the laser where the log knows no base)
+  std::optional<Pose2>
+      corrected;         ///< what the log itself calls its estimate (FLASER's first pose); never used to match or map
+  Pose2 T_base_laser;    ///< where the laser sits; identity where the log does not say
+  bool flipped = false;  ///< the laser is mounted upside down: its y axis points to the robot's right
+  std::string laser;     ///< topic or CARMEN keyword: which laser
+  long line = 0;         ///< 1-based line of a text log, ordinal of the message in a binary one
 };
 
 /// Something in the file that could not be read. What lies around it was.

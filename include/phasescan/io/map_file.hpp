@@ -16,9 +16,9 @@ std::string format_png(const TrinaryMap& map);
 
 /// Reads a yaml of map_server and its image (pgm, P5 or P2, or grey PNG), trinary mode.
 ///
-/// p = (255 - g) / 255, or g / 255 with negate; occupied from occupied_thresh on, free up to free_thresh, unknown between.
-/// An unknown pixel of 205 has p = 0.196078: with a free_thresh of 0.25 it reads as free. That is what the yaml asks for,
-/// and what is returned; `unknown_reads_as_free` says so.
+/// p = (255 - g) / 255, or g / 255 with negate; occupied from occupied_thresh on, free up to free_thresh, unknown
+/// between. An unknown pixel of 205 has p = 0.196078: with a free_thresh of 0.25 it reads as free. That is what the
+/// yaml asks for, and what is returned; `unknown_reads_as_free` says so.
 /// @throws InputError (missing keys, an image that is none, nonsense values), SystemError
 TrinaryMap read_map(const std::string& yaml_path, bool* unknown_reads_as_free = nullptr);
 

@@ -40,13 +40,17 @@ class McapWriter {
   /// @throws std::invalid_argument for beams at uneven angles, which the message cannot say.
   void scan(const std::string& topic, const std::string& frame, const Scan& scan, double scan_seconds = 0.0);
   /// nav_msgs/Odometry, T_frame_child; twist and covariances are 0 (unknown).
-  void odometry(const std::string& topic, Stamp stamp, const std::string& frame, const std::string& child, const Pose2& pose);
+  void odometry(const std::string& topic, Stamp stamp, const std::string& frame, const std::string& child,
+                const Pose2& pose);
   /// tf2_msgs/TFMessage with one transform on /tf; `flipped`: the child lies upside down.
-  void transform(Stamp stamp, const std::string& frame, const std::string& child, const Pose2& pose, bool flipped = false);
+  void transform(Stamp stamp, const std::string& frame, const std::string& child, const Pose2& pose,
+                 bool flipped = false);
   /// The same on /tf_static.
-  void static_transform(Stamp stamp, const std::string& frame, const std::string& child, const Pose2& pose, bool flipped = false);
+  void static_transform(Stamp stamp, const std::string& frame, const std::string& child, const Pose2& pose,
+                        bool flipped = false);
   /// nav_msgs/Path.
-  void path(const std::string& topic, Stamp stamp, const std::string& frame, std::span<const std::pair<Stamp, Pose2>> poses);
+  void path(const std::string& topic, Stamp stamp, const std::string& frame,
+            std::span<const std::pair<Stamp, Pose2>> poses);
   /// nav_msgs/OccupancyGrid. @throws std::invalid_argument where the cells are not width * height.
   void grid(const std::string& topic, Stamp stamp, const std::string& frame, const McapGrid& grid);
   /// @}

@@ -12,9 +12,10 @@ struct OdometrySource {
   std::string assumed;  ///< what was assumed and why, in words
 };
 
-/// Looks through a log. Odometry that differs from the log's corrected poses is wheel odometry. Where both are the same in
-/// every scan, the poses are corrected ones if a mapping program has left its marks in the log (particle filter states, or
-/// odometry lines that the scans' poses do not follow), and then count as none; else they are odometry, written twice.
+/// Looks through a log. Odometry that differs from the log's corrected poses is wheel odometry. Where both are the same
+/// in every scan, the poses are corrected ones if a mapping program has left its marks in the log (particle filter
+/// states, or odometry lines that the scans' poses do not follow), and then count as none; else they are odometry,
+/// written twice.
 /// @cost reads the log once where the two are the same, else its first scans
 /// @throws as open_log
 OdometrySource find_odometry_source(const std::string& path, const LogOptions& options = {});

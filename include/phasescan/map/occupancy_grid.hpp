@@ -17,7 +17,7 @@ namespace phasescan {
 /// How rays change cells. Log-odds are kept in steps of 1/20 (8 bits a cell).
 struct OccupancyOptions {
   double resolution_m = 0.05;
-  double max_ray_m = 30.0;      ///< free space farther along a ray is not marked; hits beyond are left out
+  double max_ray_m = 30.0;  ///< free space farther along a ray is not marked; hits beyond are left out
   double hit_log_odds = 0.9;
   double miss_log_odds = -0.4;
   double missing_log_odds = -0.1;  ///< of a beam that came back from nowhere, short of what its neighbours saw
@@ -29,7 +29,8 @@ struct OccupancyOptions {
     v("max_ray_m", self.max_ray_m, OptionInfo{"m", "rays are drawn no farther", 0.5, 200});
     v("hit_log_odds", self.hit_log_odds, OptionInfo{"", "what a hit adds to its cell", 0.05, 5});
     v("miss_log_odds", self.miss_log_odds, OptionInfo{"", "what a ray adds to the cells it crosses", -5, -0.05});
-    v("missing_log_odds", self.missing_log_odds, OptionInfo{"", "what a beam without a return adds, short of its neighbours' hits", -5, 0});
+    v("missing_log_odds", self.missing_log_odds,
+      OptionInfo{"", "what a beam without a return adds, short of its neighbours' hits", -5, 0});
     v("clamp_log_odds", self.clamp_log_odds, OptionInfo{"", "no cell is surer than this", 0.5, 6});
   }
 };
@@ -44,8 +45,8 @@ class OccupancyGrid {
 
   /// Marks the rays of a scan: free from the laser to each hit, the hit's cell occupied once per scan.
   ///
-  /// A missing beam says little: glass and black surfaces return nothing either. It marks weakly, and only as far as 80 % of
-  /// the shorter of its two neighbouring hits (at most 5 beams away).
+  /// A missing beam says little: glass and black surfaces return nothing either. It marks weakly, and only as far as 80
+  /// % of the shorter of its two neighbouring hits (at most 5 beams away).
   /// @param T_map_laser  pose of the laser at the first beam; with `flipped` its y axis points to its right
   /// @param twist        motion of the (upright) laser during the turn, for scans with a time_increment
   void add_scan(const Scan& scan, const Pose2& T_map_laser, bool flipped = false, const Twist2& twist = {});
@@ -62,8 +63,10 @@ class OccupancyGrid {
   /// The smallest rectangle that holds every known cell.
   Bounds bounds() const;
 
-  /// Distance from a point along a direction to the first cell whose log-odds reach `occupied`, or nothing within `max_range`.
-  std::optional<double> raycast(const Eigen::Vector2d& from, double direction, double max_range, double occupied = 0.6) const;
+  /// Distance from a point along a direction to the first cell whose log-odds reach `occupied`, or nothing within
+  /// `max_range`.
+  std::optional<double> raycast(const Eigen::Vector2d& from, double direction, double max_range,
+                                double occupied = 0.6) const;
 
   void clear() { tiles_.clear(); }
 

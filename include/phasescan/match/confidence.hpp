@@ -16,8 +16,8 @@ struct ConfidenceFeatures {
 
 ConfidenceFeatures confidence_features(const SearchOutcome& outcome);
 
-/// Probability that the best hypothesis is within 0.1 m and 3 deg of the truth: a logistic function of the features, fitted
-/// by tools/fit_confidence on simulated pairs.
+/// Probability that the best hypothesis is within 0.1 m and 3 deg of the truth: a logistic function of the features,
+/// fitted by tools/fit_confidence on simulated pairs.
 double confidence_of(const ConfidenceFeatures& features);
 
 /// Standard deviation of the translation in its weakest direction [m], the rotation unknown as well.
@@ -26,7 +26,8 @@ double weakest_sigma(const Eigen::Matrix3d& information);
 /// Another pose explains the scans as well: the next distinct one scores alike, or the pose slides along a corridor.
 bool is_ambiguous(const SearchOutcome& outcome);
 
-/// Covariance of the error of (x, y, theta) in the reference frame: wide along what the surfaces leave open, never infinite.
+/// Covariance of the error of (x, y, theta) in the reference frame: wide along what the surfaces leave open, never
+/// infinite.
 /// @source [Censi07]
 Eigen::Matrix3d covariance_of(const SearchOutcome& outcome);
 

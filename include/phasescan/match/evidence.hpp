@@ -15,12 +15,12 @@ struct EvidenceWeights {
 
 /// Counts of hits by what the other scan says of them, both ways together.
 struct Evidence {
-  double matched = 0.0;    ///< each hit counts by how near it is, 0..1
+  double matched = 0.0;  ///< each hit counts by how near it is, 0..1
   double violation = 0.0;
   double occluded = 0.0;
   double empty = 0.0;
   double stray = 0.0;
-  double silent = 0.0;     ///< outside the other scan's view
+  double silent = 0.0;  ///< outside the other scan's view
   int hits = 0;
 
   double score(const EvidenceWeights& w) const {

@@ -5,7 +5,8 @@
 
 namespace phasescan {
 
-/// Where rotation hypotheses come from. `sweep` is complete; the others name a few and fall back to it when they cannot.
+/// Where rotation hypotheses come from. `sweep` is complete; the others name a few and fall back to it when they
+/// cannot.
 enum class RotationSearch { kSweep, kNormals, kSpectrum, kMissing };
 template <>
 std::span<const std::string_view> enum_names<RotationSearch>();
@@ -29,18 +30,25 @@ struct MhOptions {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("rotations", self.rotations, OptionInfo{"", "sweep (complete), normals, spectrum or missing"});
-    v("rotation_peaks", self.rotation_peaks, OptionInfo{"", "rotations taken from normals or spectrum (each with its twin)", 1, 64});
-    v("sweep_step_deg", self.sweep_step_deg, OptionInfo{"deg", "rotations of the coarse sweep are this far apart", 1, 30});
-    v("guess_turn_deg", self.guess_turn_deg, OptionInfo{"deg", "with a guess, the sweep goes this far to either side", 0, 180});
+    v("rotation_peaks", self.rotation_peaks,
+      OptionInfo{"", "rotations taken from normals or spectrum (each with its twin)", 1, 64});
+    v("sweep_step_deg", self.sweep_step_deg,
+      OptionInfo{"deg", "rotations of the coarse sweep are this far apart", 1, 30});
+    v("guess_turn_deg", self.guess_turn_deg,
+      OptionInfo{"deg", "with a guess, the sweep goes this far to either side", 0, 180});
     v("sparse_points", self.sparse_points, OptionInfo{"", "hits of the scan in the coarse sweep", 16, 4000});
-    v("middle_points", self.middle_points, OptionInfo{"", "hits of each scan that are weighed as evidence", 16, 100000});
+    v("middle_points", self.middle_points,
+      OptionInfo{"", "hits of each scan that are weighed as evidence", 16, 100000});
     v("candidates", self.candidates, OptionInfo{"", "poses of the sweep that are refined", 1, 1000});
-    v("coarse_share", self.coarse_share, OptionInfo{"", "poses of the sweep below this share of the best sum are dropped", 0, 1});
+    v("coarse_share", self.coarse_share,
+      OptionInfo{"", "poses of the sweep below this share of the best sum are dropped", 0, 1});
     v("finalists", self.finalists, OptionInfo{"", "poses refined with more hits", 1, 100});
     v("twins", self.twins, OptionInfo{"", "look for the quarter and half turns of symmetric rooms, also far away"});
-    v("free_space", self.free_space, OptionInfo{"", "hits where the other scan looked through, or behind its surfaces, count against a pose"});
+    v("free_space", self.free_space,
+      OptionInfo{"", "hits where the other scan looked through, or behind its surfaces, count against a pose"});
     v("missing_data", self.missing_data, OptionInfo{"", "hits where the other scan saw nothing count against a pose"});
-    v("adaptive_scale", self.adaptive_scale, OptionInfo{"", "cells and gates follow the size of the place; else as for 6 m"});
+    v("adaptive_scale", self.adaptive_scale,
+      OptionInfo{"", "cells and gates follow the size of the place; else as for 6 m"});
     v("fine_refinement", self.fine_refinement, OptionInfo{"", "refine the best pose with all hits"});
   }
 

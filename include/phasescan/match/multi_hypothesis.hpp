@@ -1,6 +1,7 @@
 /// fft-mh's search: hypotheses from a coarse sweep, refined, weighed by evidence, the best ones refined fully.
 ///
-///  1. For every rotation (RotationHypotheses) the scan's sparse hits are correlated with the reference's score table; each
+///  1. For every rotation (RotationHypotheses) the scan's sparse hits are correlated with the reference's score table;
+///  each
 ///     rotation offers its two best translations.
 ///  2. The best of them, without near duplicates, are refined with the sparse hits and weighed by evidence.
 ///  3. Quarter and half turns of the best, also outside the window: the twins of symmetric rooms.
@@ -35,7 +36,8 @@ struct SearchOutcome {
   std::vector<Hypothesis> hypotheses;  ///< distinct poses
   PointToLineResult refined;           ///< of the best
   Evidence evidence;                   ///< of the best
-  double margin = 0.0;   ///< score of the best less that of the next distinct pose; 2 more than the score if there is none
+  double margin =
+      0.0;  ///< score of the best less that of the next distinct pose; 2 more than the score if there is none
   double profile = 0.0;  ///< least drop of the score a little way along the weakest direction
 };
 
@@ -50,8 +52,8 @@ class MultiHypothesisSearch {
   explicit MultiHypothesisSearch(const MhOptions& options);
 
   /// Finds T_ref_scan; with a guess, near it. No hypotheses where the scans have no hits.
-  void run(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess, SearchOutcome& out,
-           SearchTimes* times = nullptr);
+  void run(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
+           SearchOutcome& out, SearchTimes* times = nullptr);
 
   /// How both scans have to be prepared; the table is needed of the reference only.
   PrepareOptions prepare_options(bool reference) const;

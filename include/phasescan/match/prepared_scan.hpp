@@ -20,12 +20,12 @@ struct PreparedScan {
   NearestGrid nearest;
   ScoreTable table;
   NormalHistogram normals;
-  MissingFeatures missing;  ///< only where asked for
-  SurfaceBatch sparse;      ///< hits evenly spaced along the surfaces, for the coarse sweep
-  SurfaceBatch middle;      ///< the same, more of them, for refinement and evidence
-  SurfaceBatch all;         ///< every hit
-  double scale_m = 0.0;     ///< size of the place in the eyes of the sensor: sets cells and gates
-  double range_max_m = 0.0; ///< effective reach of the sensor
+  MissingFeatures missing;   ///< only where asked for
+  SurfaceBatch sparse;       ///< hits evenly spaced along the surfaces, for the coarse sweep
+  SurfaceBatch middle;       ///< the same, more of them, for refinement and evidence
+  SurfaceBatch all;          ///< every hit
+  double scale_m = 0.0;      ///< size of the place in the eyes of the sensor: sets cells and gates
+  double range_max_m = 0.0;  ///< effective reach of the sensor
 
   SurfaceModel model() const { return {surface, nearest, all}; }
   std::size_t size() const { return surface.size(); }
@@ -36,8 +36,8 @@ struct PrepareOptions {
   int sparse_points = 64;
   int middle_points = 128;
   double min_empty_run_rad = 0.0873;
-  bool with_table = true;    ///< the coarse table is needed of the reference only
-  bool with_missing = false; ///< missing-data features as rotation hypotheses
+  bool with_table = true;     ///< the coarse table is needed of the reference only
+  bool with_missing = false;  ///< missing-data features as rotation hypotheses
   bool adaptive_scale = true;
   ScoreTableValues values;
 };
@@ -50,6 +50,7 @@ struct PrepareWorkspace {
 };
 
 /// @cost about 50 us for 360 beams, linear in beams
-void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& options, PrepareWorkspace& work, PreparedScan& out);
+void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& options, PrepareWorkspace& work,
+                  PreparedScan& out);
 
 }  // namespace phasescan

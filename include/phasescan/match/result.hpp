@@ -13,13 +13,13 @@ namespace phasescan {
 
 /// Why a match ended as it did. Only kConverged can be usable.
 enum class MatchStatus {
-  kConverged,       ///< a pose was found and passed every test of the method
-  kNoPoints,        ///< one of the scans has no or too few hits
-  kNoPeak,          ///< a correlation found nothing that stands out
-  kNotConverged,    ///< the refinement did not settle within its iterations
-  kLowOverlap,      ///< too few points of the scans found partners
-  kLowConfidence,   ///< a pose was found, but it is not likely enough to be right
-  kAmbiguous,       ///< another pose explains the scans as well (symmetric room, bare corridor)
+  kConverged,      ///< a pose was found and passed every test of the method
+  kNoPoints,       ///< one of the scans has no or too few hits
+  kNoPeak,         ///< a correlation found nothing that stands out
+  kNotConverged,   ///< the refinement did not settle within its iterations
+  kLowOverlap,     ///< too few points of the scans found partners
+  kLowConfidence,  ///< a pose was found, but it is not likely enough to be right
+  kAmbiguous,      ///< another pose explains the scans as well (symmetric room, bare corridor)
 };
 template <>
 std::span<const std::string_view> enum_names<MatchStatus>();
@@ -49,11 +49,14 @@ struct MatchAlternative {
 struct MatchResult {
   Pose2 T_ref_scan;  ///< p_ref = R(theta) p_scan + (x, y): the best pose found, usable or not
   MatchStatus status = MatchStatus::kNoPoints;
-  bool usable = false;      ///< may be acted on: confidence above match.min_confidence, or the method's own convergence test
-  bool ambiguous = false;   ///< another pose explains the scans as well; `usable` is then false
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity() * 1e6;  ///< of (x, y, theta) in the reference frame, capped at 1e6
-  std::optional<double> confidence;  ///< probability of being within 0.1 m and 3 deg; empty for methods without calibration
-  double overlap = 0.0;              ///< share of the scan's hits that found a partner, 0..1
+  bool usable =
+      false;  ///< may be acted on: confidence above match.min_confidence, or the method's own convergence test
+  bool ambiguous = false;  ///< another pose explains the scans as well; `usable` is then false
+  Eigen::Matrix3d covariance =
+      Eigen::Matrix3d::Identity() * 1e6;  ///< of (x, y, theta) in the reference frame, capped at 1e6
+  std::optional<double>
+      confidence;        ///< probability of being within 0.1 m and 3 deg; empty for methods without calibration
+  double overlap = 0.0;  ///< share of the scan's hits that found a partner, 0..1
   std::vector<MatchAlternative> alternatives;  ///< best first, without T_ref_scan itself
   RotationSource rotation_source = RotationSource::kNone;
   int iterations = 0;  ///< of the refinement

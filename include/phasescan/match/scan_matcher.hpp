@@ -20,8 +20,8 @@ struct MatchHints {
   Twist2 scan_twist;           ///< the same for the scan
 };
 
-/// A reference scan with all that a method prepares of it (points, image, spectrum, search structures). Copies share it;
-/// any number of matchers may read one at the same time.
+/// A reference scan with all that a method prepares of it (points, image, spectrum, search structures). Copies share
+/// it; any number of matchers may read one at the same time.
 class Reference {
  public:
   struct Data;
@@ -46,7 +46,8 @@ class ScanMatcher {
 
   /// Prepares a reference once for many matches.
   Reference prepare(const Scan& reference, const Twist2& twist = {});
-  /// The same answer as with the raw reference scan. @throws std::invalid_argument for a reference of another method's matcher.
+  /// The same answer as with the raw reference scan. @throws std::invalid_argument for a reference of another method's
+  /// matcher.
   MatchResult match(const Reference& reference, const Scan& scan, const MatchHints& hints = {});
 
   const MatchOptions& options() const;
@@ -61,7 +62,7 @@ MatchResult match_scans(const Scan& reference, const Scan& scan, const MatchOpti
                         const MatchHints& hints = {});
 
 /// Many scans against one reference, on `threads` threads; the same answers for any number of them.
-std::vector<MatchResult> match_many(const Scan& reference, std::span<const Scan> scans, const MatchOptions& options = {},
-                                    int threads = 1);
+std::vector<MatchResult> match_many(const Scan& reference, std::span<const Scan> scans,
+                                    const MatchOptions& options = {}, int threads = 1);
 
 }  // namespace phasescan

@@ -34,7 +34,8 @@ class LocalMap {
   bool empty() const { return surfels_.empty(); }
   double reach_m() const { return 3.0 * cell_m_; }
 
-  /// The surfel that a point with that normal belongs to, or null: near, and facing the same way (normals within acos(min_cosine)).
+  /// The surfel that a point with that normal belongs to, or null: near, and facing the same way (normals within
+  /// acos(min_cosine)).
   const Surfel* find(float px, float py, float nx, float ny, float min_cosine) const {
     const int first = grid_.nearest(px, py);
     if (first < 0) return nullptr;
@@ -68,7 +69,7 @@ class LocalMap {
 
   Pose2 T_world_map_;
   double cell_m_ = 0.1, half_width_m_ = 20.0, extent_m_ = 0.0;
-  std::vector<Surfel> surfels_;   // x, y, nx, ny hold weighted sums until finish(), variance the sum of weights
+  std::vector<Surfel> surfels_;  // x, y, nx, ny hold weighted sums until finish(), variance the sum of weights
   std::vector<Surfel> lone_;
   std::vector<Slot> table_;
   std::vector<SurfacePoint> grid_points_;  // where the surfels are, as the grid wants it

@@ -14,13 +14,15 @@ struct LaserMount {
   bool flipped = false;  ///< upside down: the laser's y axis points to the robot's right
 
   /// Takes a point of the laser's frame into that of the base.
-  Eigen::Vector2d to_base(const Eigen::Vector2d& p) const { return T_base_laser * Eigen::Vector2d(p.x(), flipped ? -p.y() : p.y()); }
+  Eigen::Vector2d to_base(const Eigen::Vector2d& p) const {
+    return T_base_laser * Eigen::Vector2d(p.x(), flipped ? -p.y() : p.y());
+  }
   /// Motion of the laser, in its own frame, while the base moves with `base`.
   Twist2 laser_twist(const Twist2& base) const;
 };
 
-/// Hits, structure of arrays, in the frame of the base. Those on a fitted line have a normal and count across it; lone hits have
-/// the normal (0, 0) and count in both directions.
+/// Hits, structure of arrays, in the frame of the base. Those on a fitted line have a normal and count across it; lone
+/// hits have the normal (0, 0) and count in both directions.
 struct MapPoints {
   std::vector<float> x, y;      ///< the hit [m]
   std::vector<float> nx, ny;    ///< unit normal towards the sensor, (0, 0) for a lone hit

@@ -21,16 +21,17 @@ namespace phasescan {
 
 /// What one scan brought. Poses of the base; "mid" is the middle of the scan's turn, "stamp" its first beam.
 struct OdometryStep {
-  Pose2 T_odom_mid;    ///< what was matched
-  Pose2 T_odom_stamp;  ///< the same at the scan's stamp
-  Twist2 twist;        ///< of the base [m/s, rad/s], 0 where time is unknown
-  bool tracked = false;      ///< false: no match was found, the pose is a prediction
+  Pose2 T_odom_mid;      ///< what was matched
+  Pose2 T_odom_stamp;    ///< the same at the scan's stamp
+  Twist2 twist;          ///< of the base [m/s, rad/s], 0 where time is unknown
+  bool tracked = false;  ///< false: no match was found, the pose is a prediction
   bool is_keyframe = false;
   bool searched = false;     ///< the wide search was needed
   bool new_segment = false;  ///< the local map was begun anew: nothing ties this pose to those before but a prediction
   double overlap = 0.0;      ///< share of hits on the local map's surfaces
   double residual_m = 0.0;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of the pose relative to the last keyframe, frame of the base
+  Eigen::Matrix3d information =
+      Eigen::Matrix3d::Zero();  ///< of the pose relative to the last keyframe, frame of the base
   WheelVerdict wheels = WheelVerdict::kNone;
 };
 
@@ -72,15 +73,15 @@ class Odometry {
   LocalMap map_;
   std::deque<WindowFrame> window_;
   bool started_ = false;
-  Pose2 T_odom_mid_;          // of the last scan
-  Pose2 step_;                // motion per period, base frame, as last found
+  Pose2 T_odom_mid_;  // of the last scan
+  Pose2 step_;        // motion per period, base frame, as last found
   Eigen::Matrix3d step_covariance_ = Eigen::Vector3d(0.0025, 0.0025, 0.01).asDiagonal();
   Eigen::Matrix3d since_keyframe_ = Eigen::Matrix3d::Zero();  // covariance of the pose relative to the last keyframe
   Twist2 twist_;
   double usual_score_ = 0.5;  // slow mean of the prediction's score
   double usual_final_ = 0.5;  // the same of the finished match
   int untracked_ = 0;
-  Pose2 still_sum_;           // standstill: sum of poses relative to the first
+  Pose2 still_sum_;  // standstill: sum of poses relative to the first
   Pose2 still_first_;
   int still_count_ = 0;
 };

@@ -27,8 +27,10 @@ struct OdometryOptions {
     v("window_keyframes", self.window_keyframes, OptionInfo{"", "keyframes in the local map", 1, 200});
     v("map_range_m", self.map_range_m, OptionInfo{"m", "hits farther away are left out of the local map", 1, 200});
     v("cell_m", self.cell_m, OptionInfo{"m", "cell of the local map; partners are found up to 3 cells away", 0.02, 1});
-    v("min_overlap", self.min_overlap, OptionInfo{"", "share of the hits that must lie on the map for a scan to count as tracked", 0, 1});
-    v("lost_after_scans", self.lost_after_scans, OptionInfo{"", "scans in a row without a match until a new local map is begun", 1, 1000});
+    v("min_overlap", self.min_overlap,
+      OptionInfo{"", "share of the hits that must lie on the map for a scan to count as tracked", 0, 1});
+    v("lost_after_scans", self.lost_after_scans,
+      OptionInfo{"", "scans in a row without a match until a new local map is begun", 1, 1000});
   }
 };
 

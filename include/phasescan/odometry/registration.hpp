@@ -27,9 +27,10 @@ struct PosePrior {
 
 struct Registration {
   Pose2 T_map_base;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of the match alone, prior not counted, in the frame of the map
-  double overlap = 0.0;     ///< share of the points with a partner within gate_end_m
-  double residual_m = 0.0;  ///< root mean square of the distances across, partners only
+  Eigen::Matrix3d information =
+      Eigen::Matrix3d::Zero();  ///< of the match alone, prior not counted, in the frame of the map
+  double overlap = 0.0;         ///< share of the points with a partner within gate_end_m
+  double residual_m = 0.0;      ///< root mean square of the distances across, partners only
   int iterations = 0;
   bool converged = false;
 };
@@ -37,10 +38,12 @@ struct Registration {
 /// Finds the pose near `guess` that lays the points on the map's surfaces.
 /// Minimises sum rho(e / sigma), e = n . (R p + t - q), with the gate and the kernel shrinking from step to step.
 /// @cost about 15 ns a point and step
-Registration register_points(const LocalMap& map, const MapPoints& points, const Pose2& guess, const RegistrationOptions& options = {},
+Registration register_points(const LocalMap& map, const MapPoints& points, const Pose2& guess,
+                             const RegistrationOptions& options = {},
                              const std::optional<PosePrior>& prior = std::nullopt);
 
-/// How well a pose explains the points, 0..1: mean over every `stride`-th point of 1 - (distance / reach)^2, 0 without a partner.
+/// How well a pose explains the points, 0..1: mean over every `stride`-th point of 1 - (distance / reach)^2, 0 without
+/// a partner.
 double pose_score(const LocalMap& map, const MapPoints& points, const Pose2& T_map_base, std::size_t stride = 1);
 
 /// The best pose of a lattice around `centre` by pose_score: what is asked when tracking may have lost its way.
@@ -49,6 +52,7 @@ struct LatticeSearch {
   double half_angle_rad = 1.05, step_rad = 0.105;
   std::size_t points = 60;  ///< about so many points are looked at
 };
-Pose2 search_lattice(const LocalMap& map, const MapPoints& points, const Pose2& centre, const LatticeSearch& lattice, double* best_score = nullptr);
+Pose2 search_lattice(const LocalMap& map, const MapPoints& points, const Pose2& centre, const LatticeSearch& lattice,
+                     double* best_score = nullptr);
 
 }  // namespace phasescan

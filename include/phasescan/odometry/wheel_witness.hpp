@@ -14,8 +14,8 @@ enum class WheelVerdict { kNone, kAgrees, kReversed, kSlip, kJump };
 /// Follows wheel odometry from scan to scan.
 class WheelWitness {
  public:
-  /// The wheels' own motion since the last call; empty at the start, after a scan without odometry and for a jump, a step
-  /// that no robot of this kind makes (over `jump_m` or `jump_rad`).
+  /// The wheels' own motion since the last call; empty at the start, after a scan without odometry and for a jump, a
+  /// step that no robot of this kind makes (over `jump_m` or `jump_rad`).
   std::optional<Pose2> step(const std::optional<Pose2>& T_odom_base);
 
   /// Compares the wheels' step with what the scans found, and remembers.

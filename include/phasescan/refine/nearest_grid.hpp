@@ -9,8 +9,9 @@
 
 namespace phasescan {
 
-/// Each cell names the point nearest to its centre among those within three cells (in the maximum norm), as far as cells can
-/// tell: points in one cell share their first one's entry, so an asker should also look at the neighbours in index.
+/// Each cell names the point nearest to its centre among those within three cells (in the maximum norm), as far as
+/// cells can tell: points in one cell share their first one's entry, so an asker should also look at the neighbours in
+/// index.
 class NearestGrid {
  public:
   static constexpr int kReachCells = 3;
@@ -26,10 +27,13 @@ class NearestGrid {
   int nearest(float px, float py) const {
     const float u = (px + view_.offset) * view_.inverse_cell, v = (py + view_.offset) * view_.inverse_cell;
     if (!(u >= 0.0F && v >= 0.0F && u < view_.limit && v < view_.limit)) return -1;
-    return static_cast<int>(keys_[static_cast<std::size_t>(v) * view_.stride + static_cast<std::size_t>(u)] & kIndexMask) - 1;
+    return static_cast<int>(keys_[static_cast<std::size_t>(v) * view_.stride + static_cast<std::size_t>(u)] &
+                            kIndexMask) -
+           1;
   }
 
-  /// What vector code reads: key of cell (u, v) = keys[v * stride + u], index + 1 in its low bits (kIndexMask), 0 = none.
+  /// What vector code reads: key of cell (u, v) = keys[v * stride + u], index + 1 in its low bits (kIndexMask), 0 =
+  /// none.
   struct View {
     const std::uint32_t* keys = nullptr;
     float offset = 0.0F, inverse_cell = 1.0F, limit = 0.0F;

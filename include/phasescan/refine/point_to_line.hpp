@@ -10,8 +10,8 @@
 
 namespace phasescan {
 
-/// A surface that can be matched against: points in order, the grid that finds them, and the hits that ask for partners in
-/// another surface. A submap is one as well, if its points carry normals, variance, length and normal_variance.
+/// A surface that can be matched against: points in order, the grid that finds them, and the hits that ask for partners
+/// in another surface. A submap is one as well, if its points carry normals, variance, length and normal_variance.
 struct SurfaceModel {
   const SurfacePoints& points;
   const NearestGrid& grid;
@@ -20,10 +20,10 @@ struct SurfaceModel {
 
 /// How a refinement goes.
 struct PointToLineOptions {
-  double gate_start_m = 0.4;   ///< distances beyond it are no partners, in the first step
-  double gate_end_m = 0.1;     ///< the same in the last steps
+  double gate_start_m = 0.4;  ///< distances beyond it are no partners, in the first step
+  double gate_end_m = 0.1;    ///< the same in the last steps
   int max_iterations = 12;
-  double min_normal_cosine = 0.75;   ///< normals of partners must agree this well
+  double min_normal_cosine = 0.75;        ///< normals of partners must agree this well
   double stop_m = 2e-4, stop_rad = 5e-5;  ///< a step below both ends the work
 };
 
@@ -35,23 +35,24 @@ struct PointToLineResult {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   int iterations = 0;
   bool converged = false;
-  int partners = 0;   ///< hits of the scan that found a partner in the last step
+  int partners = 0;  ///< hits of the scan that found a partner in the last step
 };
 
-/// Refines T_ref_scan from `guess`: the hits `of_scan` look for lines in the reference and, unless it is null, the hits `of_ref`
-/// for lines in the scan.
+/// Refines T_ref_scan from `guess`: the hits `of_scan` look for lines in the reference and, unless it is null, the hits
+/// `of_ref` for lines in the scan.
 ///
-/// Minimises sum w rho(e), e = n . (R p + t - q) with n, q the line at the partner and w = 1 / (variance of both ranges along
-/// n per length of surface); the kernel's width shrinks from gate_start to gate_end, so the first steps weigh all points
-/// alike and the last ones as their noise deserves.
+/// Minimises sum w rho(e), e = n . (R p + t - q) with n, q the line at the partner and w = 1 / (variance of both ranges
+/// along n per length of surface); the kernel's width shrinks from gate_start to gate_end, so the first steps weigh all
+/// points alike and the last ones as their noise deserves.
 /// @cost a few ns a point and step
 /// @source [Censi08] for the metric, [Segal09] for weights from both surfaces
 PointToLineResult refine_point_to_line(const SurfaceModel& reference, const SurfaceModel& scan, const Pose2& guess,
-                                       const PointToLineOptions& options, const SurfaceBatch& of_scan, const SurfaceBatch* of_ref);
+                                       const PointToLineOptions& options, const SurfaceBatch& of_scan,
+                                       const SurfaceBatch* of_ref);
 
 /// The same with all hits, both ways.
-inline PointToLineResult refine_point_to_line(const SurfaceModel& reference, const SurfaceModel& scan, const Pose2& guess,
-                                              const PointToLineOptions& options) {
+inline PointToLineResult refine_point_to_line(const SurfaceModel& reference, const SurfaceModel& scan,
+                                              const Pose2& guess, const PointToLineOptions& options) {
   return refine_point_to_line(reference, scan, guess, options, scan.all, &reference.all);
 }
 
@@ -66,8 +67,8 @@ struct NormalEquations {
 
 /// How partners are chosen and weighed in one step.
 struct PartnerGate {
-  double gate_m = 0.1;              ///< partners are at most this far apart, across and along the line
-  double soft_m = 0.0;              ///< widens the kernel and levels the weights; 0: maximum likelihood
+  double gate_m = 0.1;  ///< partners are at most this far apart, across and along the line
+  double soft_m = 0.0;  ///< widens the kernel and levels the weights; 0: maximum likelihood
   double min_normal_cosine = 0.75;
 };
 

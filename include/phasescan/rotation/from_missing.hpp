@@ -15,15 +15,16 @@ struct MissingRotation {
   double margin = 0.0;    ///< by how much every rotation more than 15 degrees from the plateau is worse
 };
 
-/// Minimises e(alpha) = |f1 - rotate(f2, alpha)| / (|f1| + |f2|), read as the width of the symmetric difference of the angle
-/// sets, so that 0 <= e <= 1. One object per thread; allocates nothing once its buffers have their size.
+/// Minimises e(alpha) = |f1 - rotate(f2, alpha)| / (|f1| + |f2|), read as the width of the symmetric difference of the
+/// angle sets, so that 0 <= e <= 1. One object per thread; allocates nothing once its buffers have their size.
 class MissingMatcher {
  public:
-  /// The exact minimum on the whole circle: the overlap of two intervals is piecewise linear in alpha and bends where two ends
-  /// meet, so e is read at the differences of the runs' ends only. Where the best is a plateau, its middle is the answer.
+  /// The exact minimum on the whole circle: the overlap of two intervals is piecewise linear in alpha and bends where
+  /// two ends meet, so e is read at the differences of the runs' ends only. Where the best is a plateau, its middle is
+  /// the answer.
   ///
-  /// Never accepted where either scan covers less than the full circle: there a run ends at the border of the view rather than
-  /// at a thing in the world.
+  /// Never accepted where either scan covers less than the full circle: there a run ends at the border of the view
+  /// rather than at a thing in the world.
   /// @cost O(m log m), m = 4 runs1 runs2
   MissingRotation match(const MissingFeatures& reference, const MissingFeatures& scan, const MissingOptions& options);
 

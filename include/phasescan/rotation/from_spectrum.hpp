@@ -34,7 +34,8 @@ struct RotationOptions {
     v("candidates", self.candidates, OptionInfo{"", "peaks tried, each with its twin", 1, 64});
     v("separation_deg", self.separation_deg, OptionInfo{"deg", "least distance between two candidates", 0, 90});
     v("twin", self.twin,
-      OptionInfo{"", "also try every peak turned by 180 degrees; without, the answer is within 90 degrees of straight on"});
+      OptionInfo{"",
+                 "also try every peak turned by 180 degrees; without, the answer is within 90 degrees of straight on"});
     v("subbin", self.subbin, OptionInfo{"", "peak between the bins by a parabola"});
   }
 };
@@ -57,8 +58,8 @@ class SpectralRotation {
   /// Half spectrum of an image -> descriptor. @cost one pass over the spectrum and one short FFT per ring
   void describe(const ComplexBuffer& half_spectrum, PolarDescriptor& out);
 
-  /// Rotations theta with A(rho, phi + theta) = B(rho, phi), best first: the scan turned by theta looks like the reference.
-  /// Empty if either spectrum is flat (no image).
+  /// Rotations theta with A(rho, phi + theta) = B(rho, phi), best first: the scan turned by theta looks like the
+  /// reference. Empty if either spectrum is flat (no image).
   void candidates(const PolarDescriptor& reference, const PolarDescriptor& scan, std::vector<RotationCandidate>& out);
 
  private:

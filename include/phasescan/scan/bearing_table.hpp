@@ -10,9 +10,9 @@ namespace phasescan {
 
 /// One entry per bin of direction, bin k covers [k, k + 1) / size() turns counter-clockwise from x forward.
 ///
-/// `near_range` and `far_range` bound what was hit in the bin and its two neighbours [m]. Where the sensor saw nothing in a
-/// wide run of beams, `empty_to` is the range up to which a surface should have been seen [m], else 0. Where the sensor did
-/// not look at all, near_range = far_range = empty_to = 0.
+/// `near_range` and `far_range` bound what was hit in the bin and its two neighbours [m]. Where the sensor saw nothing
+/// in a wide run of beams, `empty_to` is the range up to which a surface should have been seen [m], else 0. Where the
+/// sensor did not look at all, near_range = far_range = empty_to = 0.
 struct BearingTable {
   std::vector<float> near_range, far_range, empty_to;
 
@@ -26,7 +26,8 @@ struct BearingWorkspace {
 
 /// Runs of missing beams narrower than `min_empty_run_rad` are lost beams, not emptiness: they say nothing.
 /// @cost O(beams + bins)
-void fill_bearing_table(const Scan& scan, const SurfacePoints& surface, const SurfaceWorkspace& beams, double twist_turn_per_beam,
-                        double min_empty_run_rad, BearingWorkspace& work, BearingTable& out);
+void fill_bearing_table(const Scan& scan, const SurfacePoints& surface, const SurfaceWorkspace& beams,
+                        double twist_turn_per_beam, double min_empty_run_rad, BearingWorkspace& work,
+                        BearingTable& out);
 
 }  // namespace phasescan

@@ -46,8 +46,8 @@ struct SurfacePoints {
   const SurfacePoint& operator[](std::size_t i) const { return points[i]; }
 };
 
-/// Some of a scan's hits, structure of arrays, as vector code asks for them: padded to whole vectors with entries whose weight
-/// is 0 and that face nowhere.
+/// Some of a scan's hits, structure of arrays, as vector code asks for them: padded to whole vectors with entries whose
+/// weight is 0 and that face nowhere.
 struct SurfaceBatch {
   static constexpr std::size_t kPadding = 16;
   std::vector<float> x, y, nx, ny, length, variance, sigma, weight;
@@ -63,19 +63,20 @@ struct SurfaceWorkspace {
   std::vector<double> angle;
   std::vector<int> order;
   std::vector<double> cos_angle, sin_angle;
-  std::vector<double> sums;        ///< prefix sums of 1, x, y, xx, xy, yy
+  std::vector<double> sums;  ///< prefix sums of 1, x, y, xx, xy, yy
   std::vector<int> segment_begin, segment_end;
   std::vector<float> scratch, scratch2;
 };
 
-/// Beams of a scan in order of direction, counter-clockwise: `order` holds beam indices, `angle` their directions [rad].
+/// Beams of a scan in order of direction, counter-clockwise: `order` holds beam indices, `angle` their directions
+/// [rad].
 void sort_beams(const Scan& scan, SurfaceWorkspace& work);
 
 /// Finds points, noise and normals of a scan.
 ///
-/// Lines are fitted to the neighbours in direction on the same surface, over a length that grows with noise and range; at a
-/// corner the side that fits better is taken. The noise is read off the second differences of the ranges.
-/// A twist other than zero removes the motion during the turn (see scan_to_points).
+/// Lines are fitted to the neighbours in direction on the same surface, over a length that grows with noise and range;
+/// at a corner the side that fits better is taken. The noise is read off the second differences of the ranges. A twist
+/// other than zero removes the motion during the turn (see scan_to_points).
 /// @cost O(n log n) at worst (unsorted per-beam angles), O(n) for regular scans.
 void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work, SurfacePoints& out);
 

@@ -18,15 +18,15 @@ namespace phasescan {
 
 /// How many loops there were.
 struct LoopCounts {
-  std::size_t compared = 0;   ///< pairs of visits that were matched
-  std::size_t found = 0;      ///< matches good enough to be a loop
-  std::size_t accepted = 0;   ///< in the graph at the end
-  std::size_t undone = 0;     ///< once accepted, taken out again because the graph contradicts them
-  std::size_t outvoted = 0;   ///< never found company
+  std::size_t compared = 0;  ///< pairs of visits that were matched
+  std::size_t found = 0;     ///< matches good enough to be a loop
+  std::size_t accepted = 0;  ///< in the graph at the end
+  std::size_t undone = 0;    ///< once accepted, taken out again because the graph contradicts them
+  std::size_t outvoted = 0;  ///< never found company
 };
 
-/// Owns keyframes, loops and the graph. Only its own thread touches it between `add_batch` calls; its state depends on the
-/// batches alone, never on when they are worked on.
+/// Owns keyframes, loops and the graph. Only its own thread touches it between `add_batch` calls; its state depends on
+/// the batches alone, never on when they are worked on.
 class Backend {
  public:
   explicit Backend(const SlamOptions& options);
@@ -36,8 +36,8 @@ class Backend {
   /// The last words: a full optimisation, every keyframe compared with all its neighbours once more.
   void finish();
 
-  /// Poses on the map of all keyframes that were handed in, in that order; in bounded-memory mode not every one became a node
-  /// of the graph. With `odometry` as laser odometry saw them.
+  /// Poses on the map of all keyframes that were handed in, in that order; in bounded-memory mode not every one became
+  /// a node of the graph. With `odometry` as laser odometry saw them.
   std::vector<Pose2> handed_in_poses(bool odometry = false) const;
 
   /// The nodes of the graph.
@@ -66,7 +66,9 @@ class Backend {
     std::int32_t node = 0;
     float x = 0, y = 0, theta = 0;  // T_node_keyframe
     float odom_x = 0, odom_y = 0, odom_theta = 0;
-    Pose2 T_node_keyframe() const { return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(theta)}; }
+    Pose2 T_node_keyframe() const {
+      return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(theta)};
+    }
   };
 
   SlamOptions options_;
@@ -78,7 +80,7 @@ class Backend {
   LoopCounts counts_;
   std::vector<std::pair<int, std::unique_ptr<LocalMap>>> map_cache_;
   std::size_t next_cached_ = 0;
-  LocalMap surroundings_;     // bounded memory: of the node that scans stand at now
+  LocalMap surroundings_;  // bounded memory: of the node that scans stand at now
   int surroundings_of_ = -1;
   int nodes_at_optimize_ = 0;
   std::size_t new_edges_ = 0;

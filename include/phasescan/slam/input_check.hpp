@@ -14,8 +14,8 @@ namespace phasescan {
 
 struct InputOddity {
   std::size_t count = 0;
-  bool damage = false;       ///< the input is broken there, not only unusual
-  std::string first;         ///< where it was first seen and what it was
+  bool damage = false;  ///< the input is broken there, not only unusual
+  std::string first;    ///< where it was first seen and what it was
 };
 
 class InputCheck {

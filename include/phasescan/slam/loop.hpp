@@ -20,8 +20,8 @@ struct Loop {
   double overlap = 0.0;
 };
 
-/// Decides which loops are believed: at once those that hardly move the map, the others when enough of them, found near each
-/// other, tell of the same correction. Bounded: what found no company is forgotten.
+/// Decides which loops are believed: at once those that hardly move the map, the others when enough of them, found near
+/// each other, tell of the same correction. Bounded: what found no company is forgotten.
 class LoopJudge {
  public:
   explicit LoopJudge(const LoopOptions& options) : options_(options) {}

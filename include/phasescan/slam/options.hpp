@@ -25,14 +25,18 @@ struct LoopOptions {
     v("enabled", self.enabled, OptionInfo{"", "look for places seen before"});
     v("near_radius_m", self.near_radius_m, OptionInfo{"m", "places nearer than this on the map are compared", 0.1, 50});
     v("min_nodes_apart", self.min_nodes_apart, OptionInfo{"", "keyframes between two visits of a place", 2, 1e6});
-    v("clusters_per_node", self.clusters_per_node, OptionInfo{"", "earlier visits that a new keyframe is compared with", 1, 20});
-    v("min_overlap", self.min_overlap, OptionInfo{"", "share of the hits that must lie on the other visit's surfaces", 0, 1});
-    v("small_error_m", self.small_error_m, OptionInfo{"m", "a loop that moves the map less is believed by itself", 0, 10});
+    v("clusters_per_node", self.clusters_per_node,
+      OptionInfo{"", "earlier visits that a new keyframe is compared with", 1, 20});
+    v("min_overlap", self.min_overlap,
+      OptionInfo{"", "share of the hits that must lie on the other visit's surfaces", 0, 1});
+    v("small_error_m", self.small_error_m,
+      OptionInfo{"m", "a loop that moves the map less is believed by itself", 0, 10});
     v("small_error_deg", self.small_error_deg, OptionInfo{"deg", "the same for its turn", 0, 90});
     v("votes", self.votes, OptionInfo{"", "loops that must agree before they move the map farther", 1, 20});
     v("agree_m", self.agree_m, OptionInfo{"m", "loops agree when they differ by less", 0, 5});
     v("agree_deg", self.agree_deg, OptionInfo{"deg", "the same for their turn", 0, 45});
-    v("undo_chi2", self.undo_chi2, OptionInfo{"", "a loop that fits the graph worse than this is taken out again", 1, 1e6});
+    v("undo_chi2", self.undo_chi2,
+      OptionInfo{"", "a loop that fits the graph worse than this is taken out again", 1, 1e6});
   }
 };
 
@@ -44,9 +48,11 @@ struct SlamGeneralOptions {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("batch_nodes", self.batch_nodes, OptionInfo{"", "keyframes after which loops and graph are worked on; a result enters one batch later", 1, 1000});
+    v("batch_nodes", self.batch_nodes,
+      OptionInfo{"", "keyframes after which loops and graph are worked on; a result enters one batch later", 1, 1000});
     v("polish", self.polish, OptionInfo{"", "match every scan once more against the finished map"});
-    v("bounded_memory", self.bounded_memory, OptionInfo{"", "forget scans and redundant keyframes: memory grows with the area, not with time"});
+    v("bounded_memory", self.bounded_memory,
+      OptionInfo{"", "forget scans and redundant keyframes: memory grows with the area, not with time"});
   }
 };
 

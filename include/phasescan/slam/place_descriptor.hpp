@@ -23,8 +23,8 @@ class PlaceDescriber {
 
   /// @param x, y  hits around the sensor [m]; those beyond 6 m are left out
   ///
-  /// The magnitude of the spectrum of the scan image does not move with the scan and turns with it; its square root on 16
-  /// rings, and of each ring the magnitudes of 8 angular harmonics, do neither. All zero without a hit.
+  /// The magnitude of the spectrum of the scan image does not move with the scan and turns with it; its square root on
+  /// 16 rings, and of each ring the magnitudes of 8 angular harmonics, do neither. All zero without a hit.
   /// @cost one 128 x 128 FFT and about 30 us
   PlaceDescriptor describe(std::span<const float> x, std::span<const float> y);
 

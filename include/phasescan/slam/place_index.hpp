@@ -19,7 +19,8 @@ class PlaceIndex {
  public:
   /// @return the number of the place, counting from 0
   std::uint32_t add(const PlaceDescriptor& descriptor);
-  /// The `count` nearest of the first `limit` places (all where limit is 0), nearest first; earlier ones first among equals.
+  /// The `count` nearest of the first `limit` places (all where limit is 0), nearest first; earlier ones first among
+  /// equals.
   std::vector<PlaceHit> nearest(const PlaceDescriptor& query, std::size_t count, std::size_t limit = 0) const;
   std::size_t size() const { return descriptors_.size() / kDescriptorSize; }
 

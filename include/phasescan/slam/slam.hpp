@@ -20,12 +20,12 @@ namespace phasescan {
 /// What is kept of every scan: where it stands relative to a keyframe. Small, since there may be many.
 struct ScanRecord {
   Stamp stamp = 0;
-  std::int32_t keyframe = -1;        ///< -1: before the first keyframe
-  float x = 0, y = 0, theta = 0;     ///< T_keyframe_stamp: the base at the scan's first beam
+  std::int32_t keyframe = -1;     ///< -1: before the first keyframe
+  float x = 0, y = 0, theta = 0;  ///< T_keyframe_stamp: the base at the scan's first beam
 };
 
-/// Tracks, finds loops and keeps the map's poses straight. The tracker never waits for the map but at fixed scan counts, so
-/// that the same scans give the same answer with any number of threads.
+/// Tracks, finds loops and keeps the map's poses straight. The tracker never waits for the map but at fixed scan
+/// counts, so that the same scans give the same answer with any number of threads.
 class Slam {
  public:
   /// @param threads  1: loops and graph are worked on between scans; more: beside the tracker
@@ -66,7 +66,7 @@ class Slam {
   std::unique_ptr<Worker> worker_;
   ScanStore store_;
   std::vector<ScanRecord> records_;
-  std::vector<Pose2> polished_;   // T_map_base at the stamp, when polish has run
+  std::vector<Pose2> polished_;  // T_map_base at the stamp, when polish has run
   std::vector<Keyframe> batch_;
   Pose2 T_odom_keyframe_;
   std::int32_t keyframes_ = 0;

@@ -9,10 +9,11 @@ namespace phasescan {
 
 /// A real FFT of a fixed shape.
 ///
-/// F(v, u) = sum f(row, col) exp(-j 2 pi (u col / cols + v row / rows)), not scaled; the inverse scales by 1 / (number of
-/// samples), here and nowhere else. Only columns 0 .. cols/2 of a spectrum are kept; the rest is its complex conjugate.
-/// FFTW plans are made once per shape behind a mutex with ESTIMATE (MEASURE would let timing decide the result) and shared by
-/// all objects and threads; KissFFT plans hold buffers and belong to their object. Executing allocates nothing.
+/// F(v, u) = sum f(row, col) exp(-j 2 pi (u col / cols + v row / rows)), not scaled; the inverse scales by 1 / (number
+/// of samples), here and nowhere else. Only columns 0 .. cols/2 of a spectrum are kept; the rest is its complex
+/// conjugate. FFTW plans are made once per shape behind a mutex with ESTIMATE (MEASURE would let timing decide the
+/// result) and shared by all objects and threads; KissFFT plans hold buffers and belong to their object. Executing
+/// allocates nothing.
 class RealFft {
  public:
   /// 2-D transform, rows x cols. @throws std::invalid_argument for an odd or too small `cols`, or `rows` < 1.

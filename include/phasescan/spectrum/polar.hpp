@@ -11,8 +11,8 @@ namespace phasescan {
 /// Reads a magnitude spectrum on rings around zero frequency, bilinear, from tables made once.
 ///
 /// Row k of the result is the ring of radius_min .. radius_max (evenly spaced), column t the direction
-/// -90 deg + 180 deg * t / angle_bins of the frequency vector (u, v). Half a turn is all there is: the magnitude of a real
-/// image repeats every 180 degrees, so a ring is periodic in t.
+/// -90 deg + 180 deg * t / angle_bins of the frequency vector (u, v). Half a turn is all there is: the magnitude of a
+/// real image repeats every 180 degrees, so a ring is periodic in t.
 class PolarSampler {
  public:
   /// @param size  side of the image, whose magnitude has size x (size/2 + 1) values

@@ -26,7 +26,8 @@ struct TranslationOptions {
   static void visit(Self& self, Visitor&& v) {
     v("mode", self.mode, OptionInfo{"", "image or projections"});
     v("whitening", self.whitening,
-      OptionInfo{"", "spectra are divided by their magnitude to this power: 0 cross-correlation, 1 phase correlation", 0, 1});
+      OptionInfo{"", "spectra are divided by their magnitude to this power: 0 cross-correlation, 1 phase correlation",
+                 0, 1});
     v("subpixel", self.subpixel, OptionInfo{"", "peak between the pixels by a parabola"});
     v("min_score", self.min_score, OptionInfo{"", "a lower peak is no answer", 0, 1});
   }
@@ -34,9 +35,10 @@ struct TranslationOptions {
 
 /// The highest peak of a correlation.
 struct TranslationPeak {
-  double col = 0.0;    ///< shift along x that takes the scan image onto the reference image [px], in [-size/2, size/2)
-  double row = 0.0;    ///< the same along y
-  double score = 0.0;  ///< peak quality: the (whitened) correlation over the geometric mean of both energies, 1 for a pure shift
+  double col = 0.0;  ///< shift along x that takes the scan image onto the reference image [px], in [-size/2, size/2)
+  double row = 0.0;  ///< the same along y
+  double score =
+      0.0;  ///< peak quality: the (whitened) correlation over the geometric mean of both energies, 1 for a pure shift
 };
 
 /// What the translation stage needs of an image.
@@ -56,13 +58,17 @@ class TranslationEstimator {
   void describe(const ComplexBuffer& half_spectrum, TranslationSpectrum& out);
   bool two_dimensional() const { return options_.mode == TranslationMode::kImage; }
 
-  /// Shift of `scan` onto `reference`: a(p + shift) = b(p), so F_a F_b* transforms back to a peak at +shift (Eq. 10-12: with
-  /// full whitening its magnitude is 1 everywhere and the peak a single pixel).
-  TranslationPeak find(const TranslationSpectrum& reference, const TranslationSpectrum& scan) { return peak(reference, scan, false); }
+  /// Shift of `scan` onto `reference`: a(p + shift) = b(p), so F_a F_b* transforms back to a peak at +shift (Eq. 10-12:
+  /// with full whitening its magnitude is 1 everywhere and the peak a single pixel).
+  TranslationPeak find(const TranslationSpectrum& reference, const TranslationSpectrum& scan) {
+    return peak(reference, scan, false);
+  }
 
-  /// The same for the scan image turned by 180 degrees, without drawing or transforming it: b'(p) = b(size - 1 - p) has the
-  /// spectrum of b conjugated and shifted by one pixel, so F_a F_b peaks at shift - 1.
-  TranslationPeak find_twin(const TranslationSpectrum& reference, const TranslationSpectrum& scan) { return peak(reference, scan, true); }
+  /// The same for the scan image turned by 180 degrees, without drawing or transforming it: b'(p) = b(size - 1 - p) has
+  /// the spectrum of b conjugated and shifted by one pixel, so F_a F_b peaks at shift - 1.
+  TranslationPeak find_twin(const TranslationSpectrum& reference, const TranslationSpectrum& scan) {
+    return peak(reference, scan, true);
+  }
 
  private:
   void whiten(TranslationSpectrum& spectrum) const;

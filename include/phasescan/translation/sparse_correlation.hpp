@@ -23,8 +23,10 @@ struct CorrelationPeak {
 };
 
 /// sum[r][c] = sum over points of table[offset + r * stride + c].
-/// @param offsets  of each point's window corner in the table; all (r, c) must lie inside; at most 32767 / kMaxScore points
-/// @source as real-time correlative matching [Olson09], but with the points few and the table so small that it stays in L1
+/// @param offsets  of each point's window corner in the table; all (r, c) must lie inside; at most 32767 / kMaxScore
+/// points
+/// @source as real-time correlative matching [Olson09], but with the points few and the table so small that it stays in
+/// L1
 void correlate_points(const std::uint8_t* table, std::span<const std::int32_t> offsets, CorrelationWindow& out);
 
 /// The largest sum (first in row order among equals).
