@@ -130,7 +130,7 @@ std::optional<BagRow> SqliteBag::next() {
     bag.ended = ++bag.restarts > kMostRestarts || bag.last_id > INT64_MAX - bag.step_over;
     if (!bag.ended) {
       bag.last_id += bag.step_over;
-      bag.step_over *= 2;
+      bag.step_over += std::min(bag.step_over, INT64_MAX - bag.step_over);
       bag.start_rows(bag.last_id);
     }
     throw DecodeError(why);

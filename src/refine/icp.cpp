@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace phasescan {
 
@@ -29,6 +30,10 @@ void Icp::find_pairs(const PointIndex& reference, double gate, std::size_t step)
       const NearestPair found = reference.nearest(x_[i], y_[i]);
       const float safe = 0.5F * (found.second_distance - found.distance);
       warm = {x_[i], y_[i], safe * safe, found.index};
+    }
+    if (warm.index < 0) {  // so far off that no distance is finite
+      squared_[i] = std::numeric_limits<float>::infinity();
+      continue;
     }
     const float dx = reference.x(warm.index) - x_[i], dy = reference.y(warm.index) - y_[i];
     const float squared = dx * dx + dy * dy;
