@@ -17,7 +17,7 @@ struct ConfidenceFeatures {
 ConfidenceFeatures confidence_features(const SearchOutcome& outcome);
 
 /// Probability that the best hypothesis is within 0.1 m and 3 deg of the truth: a logistic function of the features,
-/// fitted by tools/fit_confidence on simulated pairs.
+/// fitted by tools/fit_confidence.py on simulated pairs and on recorded development pairs together.
 double confidence_of(const ConfidenceFeatures& features);
 
 /// Standard deviation of the translation in its weakest direction [m], the rotation unknown as well.
