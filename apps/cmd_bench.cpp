@@ -14,6 +14,7 @@ struct BenchFlags {
   std::vector<std::string> pairs;
   std::vector<std::string> sim;
   std::string out;
+  std::string features;
   std::size_t count = 1000;
   int repeat = 1;
   bool seed_given = false;
@@ -77,6 +78,7 @@ int run_bench_command(const BenchFlags& flags) {
   if (InterruptGuard::interrupted())
     warn("stopped after " + std::to_string(run.pairs) + " pairs; the results are of these");
   write_results(flags.out, run, methods, info);
+  if (!flags.features.empty()) write_file(flags.features, bench_features(run, methods));
   return kDone;
 }
 
@@ -88,6 +90,8 @@ void add_bench_command(CLI::App& app, CommandBody& body) {
       ->type_name("SPEC...");
   command->add_option("--out", flags->out, "folder for results.json, results.md and the figures")->type_name("DIR");
   command->add_option("--method", flags->common.method, "comma-separated; without: all six")->type_name("A,B");
+  command->add_option("--features", flags->features, "also write what each confidence was computed from, as CSV")
+      ->type_name("FILE");
   command->add_flag("--fast", flags->common.fast, "trade a little robustness for time (fft-mh)");
   command->add_option("--count", flags->count, "pairs of each simulated set")
       ->type_name("N")

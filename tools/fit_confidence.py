@@ -1,127 +1,154 @@
-#!/usr/bin/env python3
-"""Fits the logistic function of src/match/confidence.cpp.
+#!/usr/bin/python3
+"""Fits the constants of the confidence (src/match/confidence.cpp) and says what they are worth on data left out.
 
-Reads tables of features (tab separated: dataset, class, id, right 0/1, features..., rest ignored), prints coefficients and,
-for every data set, what usable answers at the threshold would be worth.
+    phasescan bench --sim bench-honesty --count 20000 --seed 7 --method fft-mh --out out/fit --features out/fit/sim.csv
+    phasescan bench --pairs PAIRS... --method fft-mh --out out/fit --features out/fit/real.csv
+    tools/fit_confidence.py --sim out/fit/sim.csv --real out/fit/real.csv
 
-  fit_confidence.py --features K TRAIN.tsv... [--leave-out REAL.tsv] [--check CHECK.tsv...]
-
-With --leave-out, every data set of that table is judged by coefficients fitted on TRAIN and its other data sets; the
-coefficients printed are fitted on all of them.
+prints, as Markdown: the constants fitted on everything; every recorded file left out of the fit and judged by the rest;
+all recorded files judged by constants fitted on simulated pairs alone; and what the program that wrote the tables said
+itself. A line is a file of recorded pairs, or a data set of simulated ones. The logistic function maximises the
+likelihood, with a ridge on everything but the constant.
 """
 import argparse
-import collections
-import math
+import csv
+import pathlib
+
+import numpy as np
+
+GIVEN = ["source", "dataset", "class", "id", "method", "right", "usable", "ambiguous", "confidence"]
 
 
-def read(paths, count):
-    rows = []
+class Answers:
+    """Answers of fft-mh with their features, one row each."""
+
+    def __init__(self, names, group, x, right, usable, ambiguous, confidence):
+        self.names, self.group, self.x, self.right = names, group, x, right
+        self.usable, self.ambiguous, self.confidence = usable, ambiguous, confidence
+
+    def of(self, keep):
+        return Answers(self.names, self.group[keep], self.x[keep], self.right[keep], self.usable[keep], self.ambiguous[keep],
+                       self.confidence[keep])
+
+
+def read(paths, by):
+    """@param by  column that names the groups: `source` (a file of recorded pairs) or `dataset`"""
+    names, rows = None, []
     for path in paths:
-        with open(path, encoding="utf-8") as lines:
-            for line in lines:
-                cells = line.rstrip("\n").split("\t")
-                rows.append((cells[0], cells[1], int(cells[3]), [float(v) for v in cells[4:4 + count]], float(cells[4 + count]), cells[5 + count] == "1"))
-    return rows
+        with open(path, newline="", encoding="utf-8") as lines:
+            table = csv.DictReader(lines)
+            found = [n for n in table.fieldnames if n not in GIVEN]
+            if names not in (None, found):
+                raise SystemExit(f"{path}: other features than in the tables before it")
+            names = found
+            rows += [(r[by] or r["dataset"], [float(r[n]) for n in names], r["right"] == "1", r["usable"] == "1", r["ambiguous"] == "1",
+                      float(r["confidence"])) for r in table]
+    if not rows:
+        raise SystemExit(f"{' '.join(paths)}: no answers")
+    group, x, right, usable, ambiguous, confidence = zip(*rows)
+    return Answers(names, np.array(group), np.array(x), np.array(right), np.array(usable), np.array(ambiguous), np.array(confidence))
 
 
-def solve(matrix, vector):
-    n = len(vector)
-    m = [row[:] + [vector[i]] for i, row in enumerate(matrix)]
-    for i in range(n):
-        p = max(range(i, n), key=lambda r: abs(m[r][i]))
-        m[i], m[p] = m[p], m[i]
-        for r in range(i + 1, n):
-            f = m[r][i] / m[i][i]
-            if f:
-                for c in range(i, n + 1):
-                    m[r][c] -= f * m[i][c]
-    x = [0.0] * n
-    for i in reversed(range(n)):
-        x[i] = (m[i][n] - sum(m[i][c] * x[c] for c in range(i + 1, n))) / m[i][i]
-    return x
+def probability(beta, x):
+    return 1.0 / (1.0 + np.exp(-np.clip(x @ beta, -30.0, 30.0)))
 
 
-def probability(coefficients, features):
-    return 1.0 / (1.0 + math.exp(-max(-30.0, min(30.0, sum(a * b for a, b in zip(coefficients, features))))))
+def fit(parts, ridge):
+    """Newton's method on the likelihood of [(answers, weight)], less ridge / 2 times the squares of all but the constants."""
+    x = np.concatenate([a.x for a, _ in parts])
+    y = np.concatenate([a.right for a, _ in parts]).astype(float)
+    w = np.concatenate([np.full(len(a.right), weight) for a, weight in parts])
+    constant = np.ptp(x, axis=0) == 0
+    penalty = np.where(constant, 1e-9, ridge)
+    beta = np.zeros(x.shape[1])
 
+    def loss(b):
+        s = x @ b
+        return float(w @ (np.logaddexp(0.0, s) - y * s) + 0.5 * penalty @ b**2)
 
-def fit(rows, count, weight_of, ridge=0.3, steps=12):
-    """Maximum likelihood by iteratively reweighted least squares, ridge on everything but the constant."""
-    beta = [0.0] * count
-    for _ in range(steps):
-        hessian = [[ridge if i == j and i > 0 else 1e-9 if i == j else 0.0 for j in range(count)] for i in range(count)]
-        gradient = [-ridge * beta[i] if i > 0 else 0.0 for i in range(count)]
-        for row in rows:
-            w = weight_of(row)
-            p = probability(beta, row[3])
-            d, q = w * (row[2] - p), w * p * (1 - p)
-            x = row[3]
-            for i in range(count):
-                gradient[i] += d * x[i]
-                qi = q * x[i]
-                hi = hessian[i]
-                for j in range(i + 1):
-                    hi[j] += qi * x[j]
-        for i in range(count):
-            for j in range(i):
-                hessian[j][i] = hessian[i][j]
-        beta = [b + s for b, s in zip(beta, solve(hessian, gradient))]
+    for _ in range(60):
+        p = probability(beta, x)
+        gradient = x.T @ (w * (y - p)) - penalty * beta
+        hessian = (x.T * (w * p * (1.0 - p))) @ x + np.diag(penalty)
+        step = np.linalg.solve(hessian, gradient)
+        size, before = 1.0, loss(beta)
+        while loss(beta + size * step) > before and size > 1e-6:
+            size *= 0.5
+        beta = beta + size * step
+        if np.max(np.abs(step)) < 1e-7:
+            break
     return beta
 
 
-def auc(scored):
-    scored = sorted(scored)
-    rank_sum, positives = 0.0, 0
-    for k, (_, right) in enumerate(scored):
-        if right:
-            rank_sum += k + 1
-            positives += 1
-    negatives = len(scored) - positives
-    return (rank_sum - positives * (positives + 1) / 2) / (positives * negatives) if positives and negatives else 1.0
+def area_under_roc(p, right):
+    positives, negatives = int(right.sum()), int((~right).sum())
+    if not positives or not negatives:
+        return None
+    order = np.argsort(p, kind="stable")
+    values, start, count = np.unique(p[order], return_index=True, return_counts=True)
+    ranks = np.empty(len(p))
+    ranks[order] = np.repeat(start + (count + 1) / 2.0, count)
+    return (ranks[right].sum() - positives * (positives + 1) / 2.0) / (positives * negatives)
 
 
-def report(judged, threshold):
-    sets = collections.OrderedDict()
-    for row, p in judged:
-        sets.setdefault(row[0], []).append((row, p))
-    print(f"{'data set':22s} {'n':>6s} {'right':>6s} {'wrong&usable %':>15s} {'right refused %':>16s} {'ECE':>6s} {'AUC':>6s}")
-    for name, members in list(sets.items()) + [("ALL", judged)]:
-        usable = [p > threshold and not row[5] for row, p in members]
-        wrong = sum(u and not row[2] for u, (row, _) in zip(usable, members))
-        right = sum(row[2] for row, _ in members)
-        refused = sum(not u and row[2] for u, (row, _) in zip(usable, members))
-        bins = collections.defaultdict(lambda: [0.0, 0.0])
-        for row, p in members:
-            bins[min(9, int(p * 10))][0] += p
-            bins[min(9, int(p * 10))][1] += row[2]
-        ece = sum(abs(a - b) for a, b in bins.values()) / len(members)
-        print(f"{name:22s} {len(members):6d} {right:6d} {100 * wrong / len(members):15.2f} {100 * refused / max(right, 1):16.2f} "
-              f"{ece:6.3f} {auc([(p, row[2]) for row, p in members]):6.3f}")
+def calibration_error(p, right):
+    bins = np.minimum((p * 10).astype(int), 9)
+    return sum(abs(p[bins == b].sum() - right[bins == b].sum()) for b in range(10)) / len(p)
+
+
+def table(answers, p, usable, total):
+    lines = ["| data set | n | right & usable | right & refused | wrong & refused | wrong & usable | right refused [%] | "
+             "wrong & usable [%] | AUC | ECE |", "|---|" + "---:|" * 9]
+    groups = [(name, answers.group == name) for name in dict.fromkeys(answers.group)]
+    if total:
+        groups.append(("all", np.full(len(p), True)))
+    for name, of in groups:
+        right, said = answers.right[of], usable[of]
+        counts = [int((right & said).sum()), int((right & ~said).sum()), int((~right & ~said).sum()), int((~right & said).sum())]
+        auc = area_under_roc(p[of], right)
+        lines.append(f"| {name} | {len(right)} | {counts[0]} | {counts[1]} | {counts[2]} | {counts[3]} | "
+                     f"{'-' if not right.any() else format(100 * counts[1] / right.sum(), '.1f')} | {100 * counts[3] / len(right):.2f} | "
+                     f"{'-' if auc is None else format(auc, '.4f')} | {calibration_error(p[of], right):.4f} |")
+    return "\n".join(lines) + "\n"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("train", nargs="+")
-    parser.add_argument("--features", type=int, required=True)
-    parser.add_argument("--check", nargs="*", default=[])
-    parser.add_argument("--threshold", type=float, default=0.9)
-    parser.add_argument("--leave-out", nargs="*", default=[])
+    parser.add_argument("--sim", nargs="+", required=True, help="tables of simulated pairs")
+    parser.add_argument("--real", nargs="*", default=[], help="tables of recorded pairs")
+    parser.add_argument("--threshold", type=float, default=0.9, help="match.min_confidence")
+    parser.add_argument("--ridge", type=float, default=0.3)
+    parser.add_argument("--real-weight", type=float, default=1.0, help="weight of a recorded pair against a simulated one")
+    parser.add_argument("--out", help="also write the tables to this file")
     args = parser.parse_args()
-    train = read(args.train, args.features)
-    real = read(args.leave_out, args.features)
-    beta = fit(train + real, args.features, lambda row: 1.0)
-    print("coefficients {" + ", ".join(f"{b:.3f}" for b in beta) + "}")
-    report([(row, probability(beta, row[3])) for row in train], args.threshold)
+    sim = read(args.sim, "dataset")
+    real = read(args.real, "source") if args.real else None
+    text = []
+
+    def judged(title, answers, p, usable=None):
+        said = (p > args.threshold) & ~answers.ambiguous if usable is None else usable
+        text.append(f"{title}\n\n{table(answers, p, said, True)}")
+
+    everything = fit([(sim, 1.0)] + ([(real, args.real_weight)] if real else []), args.ridge)
     if real:
-        print("each data set left out of the fit:")
-        judged = []
-        for name in sorted({row[0] for row in real}):
-            without = fit(train + [row for row in real if row[0] != name], args.features, lambda row: 1.0)
-            judged += [(row, probability(without, row[3])) for row in real if row[0] == name]
-        report(judged, args.threshold)
-    if args.check:
-        print("checked on:")
-        report([(row, probability(beta, row[3])) for row in read(args.check, args.features)], args.threshold)
+        p = np.empty(len(real.right))
+        for name in dict.fromkeys(real.group):
+            left_out = real.group == name
+            p[left_out] = probability(fit([(sim, 1.0), (real.of(~left_out), args.real_weight)], args.ridge), real.x[left_out])
+        judged("Recorded pairs, each file judged by constants fitted without it (on simulated pairs and the other files):", real, p)
+        judged("Recorded pairs, judged by constants fitted on simulated pairs alone:", real, probability(fit([(sim, 1.0)], args.ridge), real.x))
+        judged("Recorded pairs, as the program that made the table says itself:", real, real.confidence, real.usable)
+    even = np.arange(len(sim.right)) % 2 == 0
+    p = np.empty(len(sim.right))
+    for half in (even, ~even):
+        p[half] = probability(fit([(sim.of(~half), 1.0)] + ([(real, args.real_weight)] if real else []), args.ridge), sim.x[half])
+    judged("Simulated pairs, each half judged by constants fitted without it:", sim, p)
+    if args.out:
+        pathlib.Path(args.out).write_text("\n".join(text), encoding="utf-8")
+    print("\n".join(text))
+    print("Constants fitted on everything, for src/match/confidence.cpp:\n")
+    print("constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{\n    " + ", ".join(f"{b:.3f}" for b in everything) + "};")
+    print("// " + ", ".join(f"{n} {b:.3f}" for n, b in zip(sim.names, everything)))
 
 
 if __name__ == "__main__":

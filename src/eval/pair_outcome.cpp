@@ -63,11 +63,13 @@ double PairOutcome::translation_error() const {
 PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t method, double overlap,
                   const std::optional<Eigen::Matrix3d>& information) {
   PairOutcome out;
+  out.id = pair.id;
   out.dataset = pair.dataset;
   out.cls = pair.cls;
   out.method = method;
   out.usable = result.usable;
   out.confidence = result.confidence;
+  out.features = result.features;
   out.ambiguous = result.ambiguous;
   out.rotation_source = result.rotation_source;
   out.ms = result.ms;

@@ -39,6 +39,11 @@ Eigen::Matrix3d covariance_of(const SearchOutcome& outcome) {
   return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
+std::array<std::string_view, ConfidenceFeatures::kCount> confidence_feature_names() {
+  return {"constant", "score",    "log_margin", "log_profile", "log_sigma", "log_partners", "violation",
+          "matched",  "occluded", "empty",      "stray",       "low_score", "log_agreement"};
+}
+
 ConfidenceFeatures confidence_features(const SearchOutcome& outcome) {
   ConfidenceFeatures f;
   if (outcome.hypotheses.empty()) return f;

@@ -69,7 +69,9 @@ class MhEngine final : public MatchEngine {
     result.iterations = outcome_.refined.iterations;
     result.overlap = std::clamp(outcome_.evidence.matched / std::max(outcome_.evidence.hits, 1), 0.0, 1.0);
     result.covariance = covariance_of(outcome_);
-    result.confidence = confidence_of(confidence_features(outcome_));
+    const ConfidenceFeatures features = confidence_features(outcome_);
+    result.features.assign(features.value.begin(), features.value.end());
+    result.confidence = confidence_of(features);
     result.ambiguous = is_ambiguous(outcome_);
     for (std::size_t k = 1; k < outcome_.hypotheses.size(); ++k) {
       // Evidence decides between poses as the confidence does between right and wrong: by the margin.

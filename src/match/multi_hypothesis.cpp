@@ -54,6 +54,7 @@ PrepareOptions MultiHypothesisSearch::prepare_options(bool reference) const {
   prepare.with_table = reference;
   prepare.with_missing = options_.rotations == RotationSearch::kMissing;
   prepare.adaptive_scale = options_.adaptive_scale;
+  prepare.noise_weights = options_.noise_weights;
   if (!options_.free_space) prepare.values.free = prepare.values.unknown;
   if (!options_.missing_data) prepare.values.empty = prepare.values.unknown;
   return prepare;
@@ -114,7 +115,7 @@ void MultiHypothesisSearch::refine_quickly(const PreparedScan& reference, const 
   PointToLineOptions quick;
   quick.gate_start_m = kQuickGateStart * reference.scale_m;
   quick.gate_end_m = kGateEnd * reference.scale_m;
-  quick.max_iterations = 3;
+  quick.max_iterations = options_.refinement ? 3 : 0;
   quick.stop_m = 1e-3 * reference.scale_m;
   quick.stop_rad = 1e-3;
   hypothesis.T_ref_scan =
@@ -174,12 +175,12 @@ void MultiHypothesisSearch::refine_finalists(const PreparedScan& reference, cons
   PointToLineOptions middle;
   middle.gate_start_m = kMiddleGateStart * scale;
   middle.gate_end_m = kGateEnd * scale;
-  middle.max_iterations = 3;
+  middle.max_iterations = options_.refinement ? 3 : 0;
   kept_ = out.hypotheses;
   for (Hypothesis& h : kept_) {
-    h.T_ref_scan =
-        refine_point_to_line(reference.model(), scan.model(), h.T_ref_scan, middle, scan.middle, &reference.middle)
-            .T_ref_scan;
+    h.T_ref_scan = refine_point_to_line(reference.model(), scan.model(), h.T_ref_scan, middle, scan.middle,
+                                        options_.both_ways ? &reference.middle : nullptr)
+                       .T_ref_scan;
     h.score = weigh_evidence(reference, scan, reference.middle, scan.middle, h.T_ref_scan, kFineSlack * scale)
                   .score(weights_);
   }
@@ -192,14 +193,15 @@ void MultiHypothesisSearch::settle(const PreparedScan& reference, const Prepared
   PointToLineOptions fine;
   fine.gate_start_m = kFineGateStart * scale;
   fine.gate_end_m = kGateEnd * scale;
-  fine.max_iterations = options_.fine_refinement ? 3 : 2;
+  fine.max_iterations = !options_.refinement ? 0 : options_.fine_refinement ? 3 : 2;
   const SurfaceBatch& of_scan = options_.fine_refinement ? scan.all : scan.middle;
   const SurfaceBatch& of_ref = options_.fine_refinement ? reference.all : reference.middle;
   const auto weigh = [&](const Pose2& pose) {
     return weigh_evidence(reference, scan, reference.middle, scan.middle, pose, kFineSlack * scale);
   };
   for (int attempt = 0; attempt < kSettleAttempts; ++attempt) {
-    out.refined = refine_point_to_line(reference.model(), scan.model(), best.T_ref_scan, fine, of_scan, &of_ref);
+    out.refined = refine_point_to_line(reference.model(), scan.model(), best.T_ref_scan, fine, of_scan,
+                                       options_.both_ways ? &of_ref : nullptr);
     best.T_ref_scan = out.refined.T_ref_scan;
     out.evidence = weigh(best.T_ref_scan);
     best.score = out.evidence.score(weights_);

@@ -31,11 +31,18 @@ void sample_evenly(const SurfacePoints& surface, int count, std::vector<int>& ou
   }
 }
 
+void level_variances(SurfacePoints& surface) {
+  float mean = 0.0F;
+  for (const SurfacePoint& point : surface.points) mean += point.variance / static_cast<float>(surface.size());
+  for (SurfacePoint& point : surface.points) point.variance = mean;
+}
+
 }  // namespace
 
 void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& options, PrepareWorkspace& work,
                   PreparedScan& out) {
   find_surface(scan, twist, work.surface, out.surface);
+  if (!options.noise_weights) level_variances(out.surface);
   out.range_max_m = scan.effective_range_max();
   fill_bearing_table(scan, out.surface, work.surface, twist.omega * scan.time_increment, options.min_empty_run_rad,
                      work.bearings, out.bearings);

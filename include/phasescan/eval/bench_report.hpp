@@ -30,6 +30,10 @@ std::string bench_markdown(const BenchRun& run, const std::vector<BenchMethod>& 
 std::map<std::string, std::string> bench_figures(const BenchRun& run, const std::vector<BenchMethod>& methods,
                                                  const BenchInfo& info);
 
+/// What each confidence was computed from, a line per answer that has one, as CSV with a header: source, dataset,
+/// class, id, method, right, usable, ambiguous, confidence, and the features by name. tools/fit_confidence.py reads it.
+std::string bench_features(const BenchRun& run, const std::vector<BenchMethod>& methods);
+
 /// The parts, for other reports.
 Table success_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods);
 Table error_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods);

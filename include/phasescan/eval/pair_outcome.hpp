@@ -20,6 +20,7 @@ inline constexpr const char* kNoneClass = "none";
 
 /// What is kept of a match for the tables and figures.
 struct PairOutcome {
+  std::string id;
   std::string dataset;
   std::string source = {};  ///< where the pair came from, see separate_sources
   std::string cls;
@@ -30,6 +31,7 @@ struct PairOutcome {
   double error_x = 0.0, error_y = 0.0;  ///< signed, in the reference frame [m]; 0 without a truth
   double error_theta = 0.0;             ///< signed [rad]
   std::optional<double> confidence;
+  std::vector<double> features = {};                          ///< of MatchResult
   double nees = std::numeric_limits<double>::quiet_NaN();     ///< e^T C^-1 e; NaN without a truth or for a singular C
   double overlap = std::numeric_limits<double>::quiet_NaN();  ///< of the two scans at the true pose, see scan_overlap
   double efficiency =

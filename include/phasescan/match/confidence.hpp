@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string_view>
 
 #include "phasescan/match/multi_hypothesis.hpp"
 
@@ -13,6 +14,9 @@ struct ConfidenceFeatures {
   static constexpr std::size_t kCount = 13;
   std::array<double, kCount> value{};
 };
+
+/// Their names, as in the tables that `bench --features` writes.
+std::array<std::string_view, ConfidenceFeatures::kCount> confidence_feature_names();
 
 ConfidenceFeatures confidence_features(const SearchOutcome& outcome);
 

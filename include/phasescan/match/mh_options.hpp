@@ -26,6 +26,9 @@ struct MhOptions {
   bool missing_data = true;
   bool adaptive_scale = true;
   bool fine_refinement = true;
+  bool refinement = true;
+  bool both_ways = true;
+  bool noise_weights = true;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -50,6 +53,11 @@ struct MhOptions {
     v("adaptive_scale", self.adaptive_scale,
       OptionInfo{"", "cells and gates follow the size of the place; else as for 6 m"});
     v("fine_refinement", self.fine_refinement, OptionInfo{"", "refine the best pose with all hits"});
+    v("refinement", self.refinement, OptionInfo{"", "refine poses at all; off: poses of the sweep as they are"});
+    v("both_ways", self.both_ways,
+      OptionInfo{"", "finalists are refined with the hits of both scans; off: with the scan's alone"});
+    v("noise_weights", self.noise_weights,
+      OptionInfo{"", "each hit weighs as its noise and incidence deserve; off: all alike"});
   }
 
   /// The same options for `match.fast`: fewer rotations, poses and hits.

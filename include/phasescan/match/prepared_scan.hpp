@@ -39,6 +39,7 @@ struct PrepareOptions {
   bool with_table = true;     ///< the coarse table is needed of the reference only
   bool with_missing = false;  ///< missing-data features as rotation hypotheses
   bool adaptive_scale = true;
+  bool noise_weights = true;  ///< off: every hit gets the mean variance
   ScoreTableValues values;
 };
 

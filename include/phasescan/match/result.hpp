@@ -55,8 +55,9 @@ struct MatchResult {
   Eigen::Matrix3d covariance =
       Eigen::Matrix3d::Identity() * 1e6;  ///< of (x, y, theta) in the reference frame, capped at 1e6
   std::optional<double>
-      confidence;        ///< probability of being within 0.1 m and 3 deg; empty for methods without calibration
-  double overlap = 0.0;  ///< share of the scan's hits that found a partner, 0..1
+      confidence;                ///< probability of being within 0.1 m and 3 deg; empty for methods without calibration
+  std::vector<double> features;  ///< what the confidence was computed from, see confidence.hpp; empty without one
+  double overlap = 0.0;          ///< share of the scan's hits that found a partner, 0..1
   std::vector<MatchAlternative> alternatives;  ///< best first, without T_ref_scan itself
   RotationSource rotation_source = RotationSource::kNone;
   int iterations = 0;  ///< of the refinement
