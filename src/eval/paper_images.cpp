@@ -109,9 +109,13 @@ Chart image_chart(const Scan& scan, const MatchOptions& options, int size, const
   Chart::Raster raster;
   raster.rows = image.rows();
   raster.cols = image.cols();
-  raster.levels = options.image.blur_px > 0.0 ? 6 : 1;
+  raster.levels = options.image.blur_px > 0.0 ? 12 : 1;
   for (int row = image.rows() - 1; row >= 0; --row) {  // row 0 of an image is its lowest y, row 0 of a raster its top
-    for (int col = 0; col < image.cols(); ++col) raster.values.push_back(image.at(row, col) / brightest);
+    for (int col = 0; col < image.cols(); ++col) {
+      const float share = image.at(row, col) / brightest;
+      raster.values.push_back(share < 0.03F ? 0.0F
+                                            : std::sqrt(share));  // faint lines show, the tail of a blur does not
+    }
   }
   chart.raster = std::move(raster);
   return chart;

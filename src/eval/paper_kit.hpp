@@ -54,6 +54,7 @@ void paper_images(PaperKit& kit, const PaperPairs& pairs);     ///< Fig. 2, 3
 void paper_stability(PaperKit& kit, const PaperPairs& pairs);  ///< missing-data features against the pose difference
 void paper_steps(PaperKit& kit, const PaperPairs& pairs);      ///< Fig. 8, 9
 void paper_success(PaperKit& kit, const PaperPairs& pairs);    ///< Fig. 10, Tables 2, 3, 4; the user's pairs files
+void paper_changes(PaperKit& kit, const PaperPairs& pairs);    ///< why the order of Fig. 10 differs
 void paper_drive(PaperKit& kit);                               ///< Fig. 11
 void paper_maps(PaperKit& kit);                                ///< Fig. 12
 

@@ -123,20 +123,7 @@ void paper_success(PaperKit& kit, const PaperPairs& pairs) {
   kit.report.bullets({"Large class in the paper, from worst to best: icp < ndt < fft, fft-icp1, fft-icp2.",
                       "As printed: " + order_text(printed, kit.methods(Variant::kPrinted), "large"),
                       "With this project's defaults: " + order_text(ours, kit.methods(Variant::kOurs), "large")});
-  kit.report.paragraph(
-      "Why the printed order differs from the paper's. ICP takes every closest point for a partner, so what only one "
-      "scan sees pulls the "
-      "pose aside: fft-icp1 and fft-icp2 end about where icp ends, whatever good start the FFT gave them, and fft "
-      "alone keeps what it found. "
-      "The FFT itself loses pairs in three places: one peak of a short whitened correlation for the rotation, no "
-      "decision between that and its "
-      "twin half a turn away, and projections of a binary image, which full whitening turns into noise. NDT with one "
-      "size of cells on a "
-      "fixed grid has a narrow basin: 30 degrees move a wall three metres away by more than a cell. With the defaults "
-      "(far pairs rejected, "
-      "twins judged by the correlation of the images, blurred images correlated in two dimensions, NDT from coarse to "
-      "fine cells) the "
-      "FFT methods lead by far, as the paper has it; docs/method.md goes line by line.");
+  paper_changes(kit, pairs);
   scene_figure(kit, run.outcomes, columns, "fig10_scenes", "Fig. 10 by scene.");
   Figure overlap;
   overlap.cell_width = 430.0;

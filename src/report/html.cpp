@@ -27,7 +27,7 @@ figcaption { color: #5f6368; font-size: .88rem; margin-top: .3rem; }
 .side figure { margin: 0; }
 .table { overflow-x: auto; margin: 1rem 0; }
 table { border-collapse: collapse; font-size: .9rem; font-variant-numeric: tabular-nums; }
-caption { text-align: left; color: #5f6368; font-size: .88rem; padding-bottom: .35rem; }
+p.caption { color: #5f6368; font-size: .88rem; margin: 1rem 0 .35rem; } .caption + .table { margin-top: 0; }
 th, td { padding: .25rem .7rem; text-align: right; white-space: nowrap; border-bottom: 1px solid #e3e5e8; }
 th { border-bottom: 1.5px solid #80868b; font-weight: 600; }
 th.word, td.word { text-align: left; }

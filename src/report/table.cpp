@@ -49,8 +49,9 @@ std::string Table::markdown() const {
 }
 
 std::string Table::html() const {
-  std::string out = "<div class=\"table\"><table>\n";
-  if (!caption.empty()) out += fmt::format("<caption>{}</caption>\n", xml_escape(caption));
+  std::string out;  // the caption stands outside of what scrolls
+  if (!caption.empty()) out += fmt::format("<p class=\"caption\">{}</p>\n", xml_escape(caption));
+  out += "<div class=\"table\"><table>\n";
   const auto line = [&](const std::vector<std::string>& cells, const char* tag) {
     out += "<tr>";
     for (std::size_t i = 0; i < header.size(); ++i) {
