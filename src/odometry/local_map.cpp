@@ -6,7 +6,8 @@
 namespace phasescan {
 namespace {
 
-constexpr float kFloorVariance = 0.003F * 0.003F;  // [m^2] averaging does not beat the model below this
+constexpr float kFloorVariance = 0.003F * 0.003F;      // [m^2] averaging does not beat the model below this
+constexpr float kFloorNormalVariance = 0.03F * 0.03F;  // [rad^2] walls are not as straight as lines
 constexpr int kDirections = 8;
 constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
 
@@ -41,11 +42,12 @@ void LocalMap::add(const MapPoints& points, const Pose2& T_world_base) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float px = c * points.x[i] - s * points.y[i] + tx, py = s * points.x[i] + c * points.y[i] + ty;
     if (!(std::fabs(px) < limit && std::fabs(py) < limit)) continue;
-    add_point(px, py, c * points.nx[i] - s * points.ny[i], s * points.nx[i] + c * points.ny[i], points.variance[i]);
+    add_point(px, py, c * points.nx[i] - s * points.ny[i], s * points.nx[i] + c * points.ny[i], points.variance[i],
+              points.normal_variance[i]);
   }
 }
 
-void LocalMap::add_point(float px, float py, float nx, float ny, float variance) {
+void LocalMap::add_point(float px, float py, float nx, float ny, float variance, float normal_variance) {
   const auto inverse = static_cast<float>(1.0 / cell_m_);
   const auto u = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(px * inverse)) + (1 << 20));
   const auto v = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(py * inverse)) + (1 << 20));
@@ -67,11 +69,13 @@ void LocalMap::add_point(float px, float py, float nx, float ny, float variance)
   if (mine >= 0) {
     Surfel& s = surfels_[static_cast<std::size_t>(mine)];
     s.x += weight * px, s.y += weight * py, s.nx += weight * nx, s.ny += weight * ny, s.variance += weight;
+    s.normal_variance += weight * weight * normal_variance;
     return;
   }
   const auto index = static_cast<std::int32_t>(surfels_.size());
   mine = index;
-  surfels_.push_back({weight * px, weight * py, weight * nx, weight * ny, weight, index});
+  surfels_.push_back(
+      {weight * px, weight * py, weight * nx, weight * ny, weight, weight * weight * normal_variance, index});
   // Join the ring of the cell.
   std::int32_t& first = slot(cell);
   if (first < 0) {
@@ -114,6 +118,7 @@ void LocalMap::normalise(std::vector<Surfel>& surfels, NearestGrid& grid) {
     const float length = std::sqrt(s.nx * s.nx + s.ny * s.ny);
     if (length > 0.0F) s.nx /= length, s.ny /= length;
     s.variance = std::max(inverse, kFloorVariance);
+    s.normal_variance = inverse * inverse * s.normal_variance + kFloorNormalVariance;
     grid_points_[i].x = s.x;
     grid_points_[i].y = s.y;
   }

@@ -30,6 +30,13 @@ Pose2 scaled(const Pose2& step, double factor) {
   return exp_twist({t.vx * factor, t.vy * factor, t.omega * factor});
 }
 
+/// What a match with that information, in the frame of the new base, leaves open of a step's (x, y), in that of the
+/// old.
+Eigen::Matrix2d doubt_of(const Eigen::Matrix3d& seen, double turn) {
+  const Eigen::Matrix3d weak = Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal();
+  return rotate_information((seen + weak).inverse(), turn).topLeftCorner<2, 2>();
+}
+
 }  // namespace
 
 Odometry::Odometry(const OdometryOptions& options) : options_(options) {
@@ -193,15 +200,14 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   Pose2 moved = predicted;
   if (step.tracked) {
     moved = (T_map_odom * T_odom_mid_).inverse() * found.T_map_base;
-    Eigen::Matrix3d known = believed_information(rotate_information(found.information, -found.T_map_base.theta)) +
-                            kMatchTrust * rotate_information(prior.information, -found.T_map_base.theta);
+    const Eigen::Matrix3d seen = kMatchTrust * rotate_information(found.information, -found.T_map_base.theta);
+    Eigen::Matrix3d known = seen + kMatchTrust * rotate_information(prior.information, -found.T_map_base.theta);
     if (wheel_step) {
-      step.wheels = wheels_.judge(*wheel_step, moved);
+      step.wheels = wheels_.judge(*wheel_step, moved, doubt_of(seen, moved.theta));
       moved = hear_wheels(moved, *wheel_step, known);
     }
     step_covariance_ = known.inverse() / (timing.periods * timing.periods);
-    step.information = grow_information(
-        believed_information(rotate_information(found.information, -found.T_map_base.theta)), known, moved);
+    step.information = grow_information(seen, known, moved);
     untracked_ = 0;
     usual_score_ = kSlow * usual_score_ + (1.0 - kSlow) * std::max(score, 0.0);
     step_ = scaled(moved, 1.0 / timing.periods);

@@ -1,5 +1,7 @@
 #include "phasescan/odometry/registration.hpp"
 
+#include "phasescan/odometry/information.hpp"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -11,16 +13,24 @@ namespace {
 struct Pass {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d leak = Eigen::Matrix3d::Zero();  // what noise of the normals adds to H: it sees along bare walls
   int partners = 0;
   double squares = 0.0;
+  double blunting = 1.0;  // mean share of its weight that a point has left under the wide kernel
 };
+
+Eigen::Matrix3d symmetric(const float (&m)[6]) {
+  Eigen::Matrix3f M;
+  M << m[0], m[1], m[2], m[1], m[3], m[4], m[2], m[4], m[5];
+  return M.cast<double>();
+}
 
 Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, double gate_m, double min_cosine) {
   const auto c = static_cast<float>(std::cos(T.theta)), s = static_cast<float>(std::sin(T.theta));
   const auto tx = static_cast<float>(T.x), ty = static_cast<float>(T.y), gate = static_cast<float>(gate_m);
   const auto cosine = static_cast<float>(min_cosine);
   const float widen = 0.04F * gate * gate;
-  float h[6] = {}, g[3] = {}, squares = 0.0F;
+  float h[6] = {}, g[3] = {}, leak[6] = {}, squares = 0.0F, blunted = 0.0F;
   Pass pass;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float rx = c * points.x[i] - s * points.y[i], ry = s * points.x[i] + c * points.y[i];
@@ -49,7 +59,8 @@ Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, dou
     const float e = dx * surfel->nx + dy * surfel->ny;
     const float along = dy * surfel->nx - dx * surfel->ny;
     if (std::fabs(e) > gate || std::fabs(along) > gate + 0.1F) continue;
-    const float variance = points.variance[i] + surfel->variance + widen;
+    const float sharp = points.variance[i] + surfel->variance, variance = sharp + widen;
+    blunted += sharp / variance;
     const float kernel = 1.0F / (1.0F + e * e / (6.0F * variance));
     const float w = kernel * kernel / variance;
     const float jt = rx * surfel->ny - ry * surfel->nx;
@@ -62,14 +73,32 @@ Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, dou
     g[0] += w * surfel->nx * e;
     g[1] += w * surfel->ny * e;
     g[2] += w * jt * e;
+    // The tangent in place of the normal.
+    const float wl = w * surfel->normal_variance, lt = -rx * surfel->nx - ry * surfel->ny;
+    leak[0] += wl * surfel->ny * surfel->ny;
+    leak[1] -= wl * surfel->ny * surfel->nx;
+    leak[2] += wl * surfel->ny * lt;
+    leak[3] += wl * surfel->nx * surfel->nx;
+    leak[4] -= wl * surfel->nx * lt;
+    leak[5] += wl * lt * lt;
     squares += e * e;
     ++pass.partners;
   }
-  const Eigen::Matrix3f H = (Eigen::Matrix3f() << h[0], h[1], h[2], h[1], h[3], h[4], h[2], h[4], h[5]).finished();
-  pass.H = H.cast<double>();
+  pass.H = symmetric(h);
+  pass.leak = symmetric(leak);
   pass.g = Eigen::Vector3f(g[0], g[1], g[2]).cast<double>();
   pass.squares = static_cast<double>(squares);
+  if (pass.partners > 0) pass.blunting = static_cast<double>(blunted) / pass.partners;
   return pass;
+}
+
+/// The step that the match alone would take, with the sign of a gradient: H^-1 g.
+Eigen::Vector3d match_gradient_step(const Pass& pass) {
+  Eigen::Matrix3d H = pass.H;
+  H.diagonal() *= 1.0 + 1e-6;
+  H.diagonal().array() += 1e-9;
+  const Eigen::Vector3d step = H.ldlt().solve(pass.g);
+  return step.allFinite() ? step : Eigen::Vector3d::Zero();
 }
 
 }  // namespace
@@ -87,10 +116,15 @@ Registration register_points(const LocalMap& map, const MapPoints& points, const
     Eigen::Matrix3d H = pass.H;
     Eigen::Vector3d g = pass.g;
     if (prior) {
+      // Along a corridor the normals' noise alone would hold the pose where it is: there the prior has the word.
+      H = positive_part(pass.H - pass.leak);
+      g = H * match_gradient_step(pass);
       const Eigen::Vector3d off(result.T_map_base.x - prior->T_map_base.x, result.T_map_base.y - prior->T_map_base.y,
                                 wrap_angle(result.T_map_base.theta - prior->T_map_base.theta));
-      H += prior->information;
-      g += prior->information * off;
+      // While the kernel is wide the match speaks softly, and so does the prior: else it would settle the matter first.
+      const Eigen::Matrix3d P = pass.blunting * prior->information;
+      H += P;
+      g += P * off;
     }
     // A little damping holds the pose where neither surfaces nor prior say anything.
     const double scale = 0.5 * (H(0, 0) + H(1, 1));
@@ -111,7 +145,7 @@ Registration register_points(const LocalMap& map, const MapPoints& points, const
     if (std::hypot(step.x(), step.y()) + 2.0 * std::abs(step.z()) < 0.5 * gate)
       gate = std::max(options.gate_end_m, 0.6 * gate);
   }
-  result.information = pass.H;
+  result.information = positive_part(pass.H - pass.leak);
   result.overlap =
       static_cast<double>(pass.partners) / static_cast<double>(std::max<std::size_t>(points.with_normal, 1));
   result.residual_m = pass.partners > 0 ? std::sqrt(pass.squares / pass.partners) : 0.0;

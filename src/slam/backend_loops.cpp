@@ -137,7 +137,7 @@ std::optional<Loop> Backend::compare(int other, int node, double uncertainty_m) 
   loop.to = node;
   loop.T_from_to = poses[static_cast<std::size_t>(anchor)].inverse() * (map.T_world_map() * found.T_map_base);
   loop.information =
-      edge_information(believed_information(rotate_information(found.information, -found.T_map_base.theta)), 3.0, 0.5);
+      edge_information(kMatchTrust * rotate_information(found.information, -found.T_map_base.theta), 3.0, 0.5);
   loop.overlap = found.overlap;
   return loop;
 }

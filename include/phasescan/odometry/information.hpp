@@ -11,8 +11,7 @@ inline constexpr double kMatchTrust = 0.1;
 /// Turns an information or covariance matrix of (x, y, theta) into a frame in which vectors appear turned by `theta`.
 Eigen::Matrix3d rotate_information(const Eigen::Matrix3d& matrix, double theta);
 
-/// kMatchTrust of a match's information, less what noise of the normals pretends to see along a corridor. Positive
-/// semidefinite.
-Eigen::Matrix3d believed_information(const Eigen::Matrix3d& information);
+/// A symmetric matrix with its negative eigenvalues set to 0.
+Eigen::Matrix3d positive_part(const Eigen::Matrix3d& matrix);
 
 }  // namespace phasescan

@@ -12,10 +12,11 @@ namespace phasescan {
 
 /// A piece of surface: the mean of the points that fell into one cell with much the same normal.
 struct Surfel {
-  float x = 0.0F, y = 0.0F;    ///< [m] in the map's own frame
-  float nx = 0.0F, ny = 0.0F;  ///< unit normal, (0, 0) for lone hits
-  float variance = 0.0F;       ///< across the surface [m^2]
-  std::int32_t next = -1;      ///< next surfel of the same cell, in a ring
+  float x = 0.0F, y = 0.0F;      ///< [m] in the map's own frame
+  float nx = 0.0F, ny = 0.0F;    ///< unit normal, (0, 0) for lone hits
+  float variance = 0.0F;         ///< across the surface [m^2]
+  float normal_variance = 0.0F;  ///< of the normal's direction [rad^2]
+  std::int32_t next = -1;        ///< next surfel of the same cell, in a ring
 };
 
 /// Surfels and the grid that finds them. Build: reset, add scans, finish. Bounded by its window, whatever is added.
@@ -64,7 +65,7 @@ class LocalMap {
   };
   void normalise(std::vector<Surfel>& surfels, NearestGrid& grid);
   std::int32_t& slot(std::uint64_t key);
-  void add_point(float px, float py, float nx, float ny, float variance);
+  void add_point(float px, float py, float nx, float ny, float variance, float normal_variance);
   void grow_table();
 
   Pose2 T_world_map_;

@@ -24,9 +24,10 @@ struct LaserMount {
 /// Hits, structure of arrays, in the frame of the base. Those on a fitted line have a normal and count across it; lone
 /// hits have the normal (0, 0) and count in both directions.
 struct MapPoints {
-  std::vector<float> x, y;      ///< the hit [m]
-  std::vector<float> nx, ny;    ///< unit normal towards the sensor, (0, 0) for a lone hit
-  std::vector<float> variance;  ///< of the hit across the surface, or in each direction [m^2]
+  std::vector<float> x, y;             ///< the hit [m]
+  std::vector<float> nx, ny;           ///< unit normal towards the sensor, (0, 0) for a lone hit
+  std::vector<float> variance;         ///< of the hit across the surface, or in each direction [m^2]
+  std::vector<float> normal_variance;  ///< of the normal's direction [rad^2]
   std::size_t with_normal = 0;
 
   std::size_t size() const { return x.size(); }
@@ -34,7 +35,9 @@ struct MapPoints {
   void clear();
 };
 
-/// Takes the hits into the frame of the base; hits beyond `max_range_m` are left out.
+/// Takes the hits into the frame of the base; hits beyond `max_range_m` are left out. Hits far apart on a wall seen at
+/// a grazing angle, too sparse for a fitted line, get the normal of the line through their neighbours: by themselves
+/// they would look like things that move with the sensor.
 void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double max_range_m, MapPoints& out);
 
 }  // namespace phasescan

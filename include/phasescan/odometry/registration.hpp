@@ -27,10 +27,11 @@ struct PosePrior {
 
 struct Registration {
   Pose2 T_map_base;
-  Eigen::Matrix3d information =
-      Eigen::Matrix3d::Zero();  ///< of the match alone, prior not counted, in the frame of the map
-  double overlap = 0.0;         ///< share of the points with a partner within gate_end_m
-  double residual_m = 0.0;      ///< root mean square of the distances across, partners only
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of the match alone, prior not counted, in the frame of
+                                                          ///< the map; what noise of the normals pretends to see along
+  ///< bare walls is taken out
+  double overlap = 0.0;     ///< share of the points with a partner within gate_end_m
+  double residual_m = 0.0;  ///< root mean square of the distances across, partners only
   int iterations = 0;
   bool converged = false;
 };

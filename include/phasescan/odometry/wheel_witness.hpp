@@ -1,6 +1,7 @@
 /// Wheel odometry as a witness: listened to, checked against what the scans say, and outvoted when it lies.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <optional>
 
@@ -19,7 +20,9 @@ class WheelWitness {
   std::optional<Pose2> step(const std::optional<Pose2>& T_odom_base);
 
   /// Compares the wheels' step with what the scans found, and remembers.
-  WheelVerdict judge(const Pose2& wheel_step, const Pose2& found_step);
+  /// @param doubt  covariance of the found step's (x, y) [m^2]: no verdict on what the scans did not see
+  WheelVerdict judge(const Pose2& wheel_step, const Pose2& found_step,
+                     const Eigen::Matrix2d& doubt = Eigen::Matrix2d::Zero());
 
   /// 0 (has been lying) .. 1 (has agreed for a while), for the distance driven and for the turn.
   double trust_distance() const { return trust_distance_; }
