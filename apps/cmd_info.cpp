@@ -47,6 +47,8 @@ int run_info(const InfoFlags& flags) {
   }
   const int code = report_damages(*reader, kDone);
   if (summary.usable_scans() > 0) return code;
+  if (summary.scans() == 0 && code == kDamagedInput)
+    return fail(InputError(flags.log, 0, "nothing in it could be read").what(), kBadInput);
   return fail(InputError(flags.log, 0, "holds no usable scan; expected at least one with a hit").what(), kAnswerIsNo);
 }
 

@@ -101,9 +101,9 @@ int run_slam(const SlamFlags& flags) {
   run.check = &check;
   feed(*reader, slam, check, flags, run);
   if (slam.records().empty()) {
-    report_damages(*reader, kDone);
-    std::fprintf(stderr, "phasescan: %s: not one scan; expected laser messages\n", flags.log.c_str());
-    return kAnswerIsNo;
+    if (report_damages(*reader, kDone) == kDamagedInput)
+      return fail(InputError(flags.log, 0, "nothing in it could be read").what(), kBadInput);
+    return fail(InputError(flags.log, 0, "holds no scan; expected at least one").what(), kAnswerIsNo);
   }
   slam.finish();
   run.total_cpu_s = process_cpu_seconds() - cpu;

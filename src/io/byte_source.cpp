@@ -16,14 +16,22 @@ namespace {
 constexpr std::size_t kBufferBytes = std::size_t{1} << 18;
 
 [[noreturn]] void throw_errno(const std::string& path) {
-  if (errno == ENOENT || errno == ENOTDIR || errno == EISDIR) throw InputError(path, 0, std::strerror(errno));
-  throw SystemError(path, std::strerror(errno));
+  if (path.empty()) throw InputError("''", 0, "the file name is empty; expected a file");
+  if (errno == ENOENT || errno == ENOTDIR) throw InputError(path, 0, "no such file; expected an existing file");
+  if (errno == EISDIR) throw InputError(path, 0, "is a folder; expected a file");
+  throw SystemError(path, std::string("cannot be read: ") + std::strerror(errno));
 }
 
 class FileSource : public ByteSource {
  public:
   FileSource(std::string path, std::uint64_t from)
       : path_(std::move(path)), fd_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+    struct stat info {};
+    if (fd_ >= 0 && ::fstat(fd_, &info) == 0 && S_ISDIR(info.st_mode)) {
+      ::close(fd_);
+      fd_ = -1;
+      errno = EISDIR;
+    }
     if (fd_ < 0) throw_errno(path_);
     // Beyond any file there is nothing to read, which is what a wrong offset should give.
     if (from > 0) ::lseek(fd_, static_cast<off_t>(std::min<std::uint64_t>(from, INT64_MAX)), SEEK_SET);
@@ -106,6 +114,14 @@ std::size_t ByteStream::read_some(std::uint8_t* out, std::size_t n) {
   const Bytes view = take(std::min(n, end_ - begin_));
   std::memcpy(out, view.data(), view.size());
   return view.size();
+}
+
+std::size_t PrefixedSource::read(std::uint8_t* out, std::size_t n) {
+  if (at_ == first_.size()) return rest_->read(out, n);
+  const std::size_t got = std::min(n, first_.size() - at_);
+  std::memcpy(out, first_.data() + at_, got);
+  at_ += got;
+  return got;
 }
 
 std::size_t SliceSource::read(std::uint8_t* out, std::size_t n) {

@@ -25,6 +25,19 @@ std::unique_ptr<ByteSource> open_file_source(const std::string& path, std::uint6
 /// Size of a file [bytes].
 std::uint64_t file_size_bytes(const std::string& path);
 
+/// Bytes that were read already, and then the rest of what they were read from: a pipe cannot go back.
+class PrefixedSource : public ByteSource {
+ public:
+  PrefixedSource(Bytes first, std::unique_ptr<ByteSource> rest)
+      : first_(first.begin(), first.end()), rest_(std::move(rest)) {}
+  std::size_t read(std::uint8_t* out, std::size_t n) override;
+
+ private:
+  std::vector<std::uint8_t> first_;
+  std::unique_ptr<ByteSource> rest_;
+  std::size_t at_ = 0;
+};
+
 /// A source with a buffer, so that records can be looked at in place.
 class ByteStream {
  public:

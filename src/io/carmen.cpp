@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "io/carmen_words.hpp"
 #include "io/log_format.hpp"
 #include "io/text_log.hpp"
 #include "phasescan/io/number.hpp"
@@ -18,68 +19,6 @@ namespace {
 
 constexpr float kNoReturnFrom = 80.0F;  // [m] SICK scanners say 81.83 and the like for "nothing seen"
 constexpr float kSickMaxRange = 82.0F;
-
-// What is wrong with a line, for `damage_here`.
-struct BadLine {
-  const char* kind;
-  std::string reason;
-};
-
-// The words of a line, taken one by one.
-class Words {
- public:
-  explicit Words(std::string_view line) {
-    std::size_t from = 0;
-    while ((from = line.find_first_not_of(" \t", from)) != std::string_view::npos) {
-      const std::size_t to = std::min(line.find_first_of(" \t", from), line.size());
-      words_.push_back(line.substr(from, to - from));
-      from = to;
-    }
-  }
-
-  std::size_t left() const { return words_.size() - next_; }
-  std::string_view word() {
-    if (left() == 0) throw BadLine{"truncated line", "the line ends too early; expected more fields"};
-    return words_[next_++];
-  }
-  double number(const char* what) {
-    const std::string_view text = word();
-    const auto value = parse_number<double>(text);
-    if (!value) throw BadLine{"non-number", std::string(what) + " is " + quote_text(text) + "; expected a number"};
-    return *value;
-  }
-  double finite(const char* what, double limit) {
-    const double value = number(what);
-    if (!(std::abs(value) <= limit))
-      throw BadLine{"bad value", std::string(what) + " is not a possible value; expected a finite number"};
-    return value;
-  }
-  std::size_t count(const char* what) {
-    const std::string_view text = word();
-    const auto value = parse_number<long>(text);
-    if (!value || *value < 0)
-      throw BadLine{"wrong count", std::string(what) + " is " + quote_text(text) + "; expected a count"};
-    if (*value > static_cast<long>(kMaxBeams)) {
-      throw BadLine{"wrong count",
-                    std::string(what) + " is " + std::string(text) + "; expected at most " + std::to_string(kMaxBeams)};
-    }
-    return static_cast<std::size_t>(*value);
-  }
-  Pose2 pose(const char* what) {
-    const double x = finite(what, 1e9), y = finite(what, 1e9);
-    return {x, y, wrap_angle(finite(what, 1e9))};
-  }
-  std::string_view peek(std::size_t ahead) const { return words_[next_ + ahead]; }
-  void expect_left(std::size_t expected, std::size_t beams) const {
-    if (left() == expected) return;
-    throw BadLine{"wrong count", std::to_string(left()) + " fields after the count " + std::to_string(beams) +
-                                     "; expected " + std::to_string(expected)};
-  }
-
- private:
-  std::vector<std::string_view> words_;
-  std::size_t next_ = 0;
-};
 
 std::vector<float> read_ranges(Words& words, std::size_t beams, float no_return_from) {
   std::vector<float> raw(beams);
@@ -94,15 +33,18 @@ bool is_digits(std::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// `t host lt`: the first time counts. Old logs have whole seconds first and microseconds last.
-Stamp read_stamp(Words& words) {
+// `t host lt`: the first time counts. Old logs have whole seconds first and microseconds last. `ended`: the line has
+// its newline, so that no digit of its last word is missing.
+Stamp read_stamp(Words& words, bool ended) {
   const std::string_view first = words.word();
   words.word();
   const std::string_view last = words.word();
   auto stamp = parse_stamp(first);
   if (!stamp) throw BadLine{"bad value", "the time is " + quote_text(first) + "; expected seconds"};
-  if (is_digits(first) && is_digits(last) && first.size() >= 9 && last.size() <= 6)
+  if (is_digits(first) && is_digits(last) && first.size() >= 9 && last.size() <= 6) {
+    if (!ended) throw BadLine{"truncated line", "the file ends inside the time"};
     *stamp += *parse_number<Stamp>(last) * 1000;
+  }
   return *stamp;
 }
 
@@ -167,7 +109,10 @@ class CarmenReader : public TextLogReader {
     const bool known = robot || raw || keyword == "FLASER" || keyword == "ODOM" || keyword == "PARAM";
     // Words of a broken line must not fill the memory: what is unknown is counted by name only while there are few.
     if (known || counts_.size() < 32) ++counts_[known ? keyword : quote_text(keyword)];
-    if (!known) return std::nullopt;
+    if (!known) {
+      if (!line_was_ended()) throw BadLine{"truncated line", "the file ends inside the line"};
+      return std::nullopt;
+    }
     Words words(text_);
     words.word();
     if (keyword == "PARAM") return read_param(words);
@@ -183,6 +128,7 @@ class CarmenReader : public TextLogReader {
   }
 
   std::optional<LogEntry> read_param(Words& words) {
+    if (!line_was_ended()) throw BadLine{"truncated line", "the file ends inside the line"};
     const std::string_view name = words.word();
     if (words.left() == 0) return std::nullopt;
     const auto value = parse_number<double>(words.word());
@@ -195,7 +141,10 @@ class CarmenReader : public TextLogReader {
   }
 
   std::optional<LogEntry> read_odometry(Words& words) {
-    odometry_ = words.pose("the odometry");
+    constexpr std::size_t kRest = 6;  // tv rv accel t host lt
+    const Pose2 pose = words.pose("the odometry");
+    if (!line_was_ended() && words.left() < kRest) throw BadLine{"truncated line", "the file ends inside the line"};
+    odometry_ = pose;
     return std::nullopt;
   }
 
@@ -216,7 +165,7 @@ class CarmenReader : public TextLogReader {
     entry.T_base_laser = laser_on_robot();
     const Pose2 T_odom_laser = words.pose("the odometry");
     entry.odometry = laser_ahead_ ? T_odom_laser * entry.T_base_laser.inverse() : T_odom_laser;
-    entry.scan.stamp = read_stamp(words);
+    entry.scan.stamp = read_stamp(words, line_was_ended());
     return entry;
   }
 
@@ -230,17 +179,20 @@ class CarmenReader : public TextLogReader {
     read_remissions(words, remissions, entry.scan);
     entry.T_base_laser = laser_on_robot();
     entry.odometry = odometry_;
-    entry.scan.stamp = read_stamp(words);
+    entry.scan.stamp = read_stamp(words, line_was_ended());
     return entry;
   }
 
-  static LogEntry read_robot_laser(Words& words) {
+  LogEntry read_robot_laser(Words& words) {
     const LaserHeader header(words);
     constexpr std::size_t kShort = 13, kLong = 14;  // from the laser pose on, without and with `turn`
     if (words.left() < header.beams + kShort) words.expect_left(header.beams + kShort, header.beams);
     LogEntry entry;
     entry.scan = make_scan(read_ranges(words, header.beams, header.no_return_from), header.geometry);
     const bool newer = words.left() != kShort;
+    // A line of the newer dialect that was cut off can have the count of the older one, but no host in its place.
+    if (!line_was_ended() && !newer && parse_number<double>(words.peek(kShort - 2)))
+      throw BadLine{"truncated line", "the file ends inside the line"};
     if (newer) {
       const std::size_t remissions = words.count("the number of remissions");
       words.expect_left(remissions + kLong, remissions);
@@ -250,7 +202,7 @@ class CarmenReader : public TextLogReader {
     entry.odometry = words.pose("the robot pose");
     entry.T_base_laser = entry.odometry->inverse() * T_odom_laser;
     for (int i = newer ? 5 : 4; i > 0; --i) words.number("a velocity or safety distance");
-    entry.scan.stamp = read_stamp(words);
+    entry.scan.stamp = read_stamp(words, line_was_ended());
     return entry;
   }
 

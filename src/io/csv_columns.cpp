@@ -152,32 +152,52 @@ char guess_separator(std::string_view line) {
   return ' ';
 }
 
+namespace {
+
+/// The size below which a share of a column's values lies, zeros left out; no single damaged or wild value moves it.
+/// Columns of ranges count as one.
+double usual_size(const CsvLayout& layout, std::size_t index, const std::vector<std::vector<double>>& rows,
+                  double share) {
+  const ColumnRole role = layout.columns[index].role;
+  std::vector<double> sizes;
+  for (const auto& row : rows) {
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      const std::size_t at = std::min(k, layout.columns.size() - 1);
+      const bool counts = role == ColumnRole::kRange ? layout.columns[at].role == role : at == index;
+      if (counts && std::isfinite(row[k]) && row[k] != 0.0) sizes.push_back(std::abs(row[k]));
+    }
+  }
+  if (sizes.empty()) return 0.0;
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(sizes.size() - 1));
+  std::nth_element(sizes.begin(), sizes.begin() + at, sizes.end());
+  return sizes[static_cast<std::size_t>(at)];
+}
+
+}  // namespace
+
 std::string settle_units(CsvLayout& layout, const std::vector<std::vector<double>>& rows) {
   std::string assumed;
+  double range_size = -1.0;  // of all range columns together, once
   for (std::size_t i = 0; i < layout.columns.size(); ++i) {
     Column& column = layout.columns[i];
     if (column.scale != 0.0) continue;
-    double largest = 0.0;
-    for (const auto& row : rows) {
-      const std::size_t end = column.open_end ? row.size() : std::min(i + 1, row.size());
-      for (std::size_t k = i; k < end; ++k) {
-        if (std::isfinite(row[k])) largest = std::max(largest, std::abs(row[k]));
-      }
-    }
     column.scale = 1.0;
     const char* unit = nullptr;
     if (column.role == ColumnRole::kStamp) {
-      if (largest > 1e17)
+      const double size = usual_size(layout, i, rows, 0.5);
+      if (size > 1e17)
         column.scale = 1e-9, unit = "stamps in ns";
-      else if (largest > 1e14)
+      else if (size > 1e14)
         column.scale = 1e-6, unit = "stamps in us";
-      else if (largest > 1e11)
+      else if (size > 1e11)
         column.scale = 1e-3, unit = "stamps in ms";
     } else if (column.role == ColumnRole::kAngle || column.role == ColumnRole::kAngleMin ||
                column.role == ColumnRole::kAngleMax) {
-      if (largest > 2.0 * kPi + 0.01) column.scale = kPi / 180.0, unit = "angles in degrees";
+      const double share = column.role == ColumnRole::kAngle ? 0.9 : 0.5;
+      if (usual_size(layout, i, rows, share) > 2.0 * kPi + 0.01) column.scale = kPi / 180.0, unit = "angles in degrees";
     } else if (column.role == ColumnRole::kRange) {
-      if (largest > 100.0) column.scale = 1e-3, unit = "ranges in mm";
+      if (range_size < 0.0) range_size = usual_size(layout, i, rows, 0.5);
+      if (range_size > 100.0) column.scale = 1e-3, unit = "ranges in mm";
     }
     if (unit != nullptr && assumed.find(unit) == std::string::npos)
       assumed += (assumed.empty() ? "" : ", ") + std::string(unit);

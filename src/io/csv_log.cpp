@@ -125,6 +125,12 @@ class CsvReader final : public TextLogReader {
       if (guess_separator_) layout_.separator = guess_separator(line), guess_separator_ = false;
       split_fields(line, layout_.separator, fields_);
       const bool open_end = layout_.columns.back().open_end;
+      // A row of any length is whole where it ends; without an end, where it is as long as the one before.
+      if (open_end && !line_was_ended() && fields_.size() != fields_before_) {
+        damage_here("truncated line", "the file ends inside the line");
+        continue;
+      }
+      fields_before_ = fields_.size();
       if (open_end ? fields_.size() < layout_.columns.size() : fields_.size() != layout_.columns.size()) {
         damage_here("wrong count",
                     std::to_string(fields_.size()) + " fields; expected " + std::to_string(layout_.columns.size()));
@@ -276,6 +282,7 @@ class CsvReader final : public TextLogReader {
   bool guess_separator_ = false;
   std::string assumed_;
   std::vector<std::string_view> fields_;
+  std::size_t fields_before_ = 0;
   std::deque<Row> ahead_;
   std::vector<Beam> beams_;
   Row first_;

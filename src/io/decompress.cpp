@@ -29,7 +29,7 @@ class Unpacker : public ByteSource {
       const std::size_t made = step(out, n);
       if (made > 0) return made;
       if (!damage_.empty()) continue;
-      if (ended_ && !between_frames_) throw DecodeError(std::string(name()) + ": the data end too early");
+      if (ended_ && !between_frames_) throw DecodeError(std::string(name()) + ": the data is cut off");
       if (at_ == before && at_ < size_ && ++idle_ > 2) throw DecodeError(std::string(name()) + ": no progress");
       if (at_ != before) idle_ = 0;
     }
@@ -76,7 +76,7 @@ class GzipSource : public Unpacker {
     at_ = size_ - state_.avail_in;
     const std::size_t made = n - state_.avail_out;
     if (rc == Z_STREAM_END) between_frames_ = true;
-    if (rc != Z_OK && rc != Z_STREAM_END && rc != Z_BUF_ERROR) fail("damaged data");
+    if (rc != Z_OK && rc != Z_STREAM_END && rc != Z_BUF_ERROR) fail("the data is broken");
     return made;
   }
 
@@ -105,7 +105,7 @@ class Bzip2Source : public Unpacker {
     at_ = size_ - state_.avail_in;
     const std::size_t made = n - state_.avail_out;
     if (rc == BZ_STREAM_END) between_frames_ = true;
-    if (rc != BZ_OK && rc != BZ_STREAM_END) fail("damaged data");
+    if (rc != BZ_OK && rc != BZ_STREAM_END) fail("the data is broken");
     return made;
   }
 

@@ -1,12 +1,8 @@
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-#include <zlib.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
+#include <array>
+#include <memory>
 
+#include "io/decompress.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/file.hpp"
 
@@ -15,39 +11,23 @@ namespace {
 
 constexpr std::size_t kBlockBytes = std::size_t{1} << 16;
 
-int open_for_reading(const std::string& path) {
-  if (path.empty()) throw InputError("''", 0, "the file name is empty; expected a file");
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) {
-    const int error = errno;
-    if (error == ENOENT || error == ENOTDIR) throw InputError(path, 0, "no such file; expected an existing file");
-    throw SystemError(path, std::string("cannot be read: ") + std::strerror(error));
-  }
-  struct stat info {};
-  if (::fstat(fd, &info) == 0 && S_ISDIR(info.st_mode)) {
-    ::close(fd);
-    throw InputError(path, 0, "is a folder; expected a file");
-  }
-  return fd;
-}
-
 }  // namespace
 
 struct InputStream::Handle {
-  gzFile file = nullptr;
-  ~Handle() {
-    if (file != nullptr) gzclose_r(file);
-  }
+  std::unique_ptr<ByteSource> bytes;
 };
 
 InputStream::InputStream(const std::string& path) : path_(path), handle_(std::make_unique<Handle>()) {
-  const int fd = open_for_reading(path);
-  handle_->file = gzdopen(fd, "rb");
-  if (handle_->file == nullptr) {
-    ::close(fd);
-    throw SystemError(path, "cannot be read: out of memory");
+  std::array<std::uint8_t, 4> magic{};
+  std::size_t size = 0;
+  auto file = open_file_source(path);
+  while (size < magic.size()) {
+    const std::size_t got = file->read(magic.data() + size, magic.size() - size);
+    if (got == 0) break;
+    size += got;
   }
-  gzbuffer(handle_->file, static_cast<unsigned>(kBlockBytes));
+  handle_->bytes = decompress(sniff_compression(Bytes(magic.data(), size)),
+                              std::make_unique<PrefixedSource>(Bytes(magic.data(), size), std::move(file)));
 }
 InputStream::~InputStream() = default;
 InputStream::InputStream(InputStream&&) noexcept = default;
@@ -55,25 +35,16 @@ InputStream& InputStream::operator=(InputStream&&) noexcept = default;
 
 std::size_t InputStream::read(std::span<char> out) {
   std::size_t filled = 0;
-  while (filled < out.size()) {
-    const auto want = static_cast<unsigned>(std::min(out.size() - filled, std::size_t{1} << 30));
-    const int got = gzread(handle_->file, out.data() + filled, want);
-    if (got > 0) {
-      filled += static_cast<std::size_t>(got);
-      continue;
+  try {
+    while (filled < out.size()) {
+      const std::size_t got =
+          handle_->bytes->read(reinterpret_cast<std::uint8_t*>(out.data()) + filled, out.size() - filled);
+      if (got == 0) break;
+      filled += got;
     }
-    int code = Z_OK;
-    const char* message = gzerror(handle_->file, &code);
-    if (code == Z_ERRNO) throw SystemError(path_, std::string("cannot be read: ") + std::strerror(errno));
-    if (code != Z_OK && code != Z_STREAM_END) {
-      if (filled > 0) break;  // hand out what there is; the next call comes back here
-      const std::string_view text = message == nullptr ? "" : message;
-      const bool cut = code == Z_BUF_ERROR || text.find("unexpected end") != std::string_view::npos;
-      throw InputError(path_, 0,
-                       cut ? "the gzip data is cut off; expected a whole .gz file"
-                           : "the gzip data is broken; expected a whole .gz file");
-    }
-    break;
+  } catch (const DecodeError& error) {
+    if (filled > 0) return filled;  // hand out what there is; the next call comes back here
+    throw InputError(path_, 0, std::string(error.what()) + "; expected a whole packed file");
   }
   return filled;
 }

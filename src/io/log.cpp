@@ -15,8 +15,8 @@ constexpr std::size_t kPrefixBytes = std::size_t{1} << 16;
 // Asked in this order: what is recognised by a magic number first, text by its words after.
 std::vector<LogFormat> log_formats() {
   return {
-      rosbag1_format(),  rosbag2_format(), mcap_format(),    packed_recording_format(),
-      scan_log_format(), carmen_format(),  lowcost_format(), csv_format(),
+      rosbag1_format(), rosbag2_format(), mcap_format(), scan_log_format(),
+      carmen_format(),  lowcost_format(), csv_format(),
   };
 }
 
@@ -25,9 +25,9 @@ std::vector<LogFormat> log_formats() {
 std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& options) {
   std::error_code ignored;
   const bool folder = std::filesystem::is_directory(path, ignored);
-  if (!folder && !options.columns.empty()) return open_csv(path, options);
   const std::string prefix = folder ? std::string() : read_prefix(path, kPrefixBytes);
   if (!folder && prefix.empty()) throw InputError(path, 1, "the file is empty; expected a log");
+  if (!folder && !options.columns.empty()) return open_csv(path, options);
   std::string names;
   for (const LogFormat& format : log_formats()) {
     if (format.probe(path, prefix)) return format.open(path, options);

@@ -13,7 +13,7 @@ namespace phasescan {
 /// One readable log format.
 struct LogFormat {
   std::string_view name;
-  /// Whether this is the format of a file with these first bytes (unpacked if gzip; at most 64 KiB), or of the folder
+  /// Whether this is the format of a file with these first bytes (unpacked if packed; at most 64 KiB), or of the folder
   /// `path`
   /// (`prefix` is empty then).
   bool (*probe)(const std::string& path, std::string_view prefix);
@@ -26,7 +26,6 @@ LogFormat carmen_format();
 LogFormat rosbag1_format();
 LogFormat rosbag2_format();
 LogFormat mcap_format();
-LogFormat packed_recording_format();
 LogFormat lowcost_format();
 LogFormat csv_format();
 

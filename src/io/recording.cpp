@@ -48,7 +48,7 @@ namespace {
 
 std::unique_ptr<LogReader> open_known(const std::string& path, const LogOptions& options) {
   auto log = open_recording(path, options);
-  if (!log) throw InputError(path, 0, "is packed and no recording; expected a rosbag or an MCAP inside");
+  if (!log) throw InputError(path, 0, "is no recording; expected a rosbag or an MCAP");
   return log;
 }
 
@@ -68,14 +68,6 @@ LogFormat rosbag2_format() {
 
 LogFormat mcap_format() {
   return {"MCAP", [](const std::string&, std::string_view prefix) { return looks_like_mcap(as_bytes(prefix)); },
-          open_known};
-}
-
-LogFormat packed_recording_format() {
-  return {"one of these packed with bz2, lz4 or zstd",
-          [](const std::string&, std::string_view prefix) {
-            return sniff_compression(as_bytes(prefix)) != Compression::kNone;
-          },
           open_known};
 }
 

@@ -62,6 +62,7 @@ class SqliteContainer final : public ros::Container {
   /// `path` is what the user knows the file by; the database is in `unpacked` where there is one.
   SqliteContainer(std::string path, std::unique_ptr<TemporaryFile> unpacked, ros::RosLogReader& log)
       : path_(std::move(path)), unpacked_(std::move(unpacked)), bag_(unpacked_ ? unpacked_->path() : path_), log_(log) {
+    if (!bag_.cut().empty()) log_.damage("truncated file", path_, bag_.cut());
     for (const BagTopic& topic : bag_.topics()) {
       const bool cdr = topic.serialization == "cdr" || topic.serialization.empty();
       channels_[topic.id] =
@@ -171,6 +172,7 @@ std::string split_path(const fs::path& folder, const std::string& stated) {
 }
 
 struct Recording {
+  bool whole = true;  ///< the metadata reach as far as their count of messages, which stands behind the files
   std::deque<std::string> files;
   std::map<std::string, std::string> about;
 };
@@ -191,6 +193,7 @@ Recording read_metadata(const fs::path& folder, const fs::path& metadata) {
     for (const YAML::Node& path : paths) {
       if (out.files.size() < kMostFiles) out.files.push_back(split_path(folder, path.as<std::string>()));
     }
+    out.whole = info["message_count"].IsDefined();
     for (const char* name : {"version", "storage_identifier", "compression_format", "compression_mode"}) {
       const YAML::Node value = info[name];
       if (value && value.IsScalar() && !value.Scalar().empty()) out.about[name] = value.Scalar();
@@ -232,16 +235,43 @@ Recording list_folder(const fs::path& folder) {
   return out;
 }
 
+/// x_0.db3 and x_0.db3.zstd are the same file.
+std::string bare_name(const std::string& path) {
+  const fs::path name = fs::path(path).filename();
+  return (name.extension() == ".zstd" ? name.stem() : name).string();
+}
+
+/// Metadata that were cut off name too few files: the others are read as well.
+void add_unnamed_files(const std::deque<std::string>& present, const std::string& metadata, Recording& stated,
+                       ros::RosLogReader& log) {
+  for (const std::string& path : present) {
+    const auto same = [&path](const std::string& named) { return bare_name(named) == bare_name(path); };
+    if (std::any_of(stated.files.begin(), stated.files.end(), same)) continue;
+    log.damage("file not named", path, "is not named in " + metadata + ", which was cut off; it is read as well");
+    stated.files.push_back(path);
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<LogReader> open_rosbag2_folder(const std::string& path, const LogOptions& options) {
   const fs::path metadata = fs::path(path) / "metadata.yaml";
   std::error_code error;
-  Recording recording = fs::exists(metadata, error) ? read_metadata(path, metadata) : list_folder(path);
+  auto log = std::make_unique<ros::RosLogReader>(path, options);
+  Recording recording = list_folder(path);
+  if (fs::exists(metadata, error)) {
+    try {
+      Recording stated = read_metadata(path, metadata);
+      if (!stated.whole) add_unnamed_files(recording.files, metadata.string(), stated, *log);
+      recording = std::move(stated);
+    } catch (const InputError& problem) {
+      if (recording.files.empty()) throw;
+      log->damage("bad metadata", problem.file(), problem.reason() + "; the files were taken by their numbers");
+    }
+  }
   if (recording.files.empty()) {
     throw InputError(path, 0, "is a folder without metadata.yaml, .db3 or .mcap; expected a rosbag2 recording");
   }
-  auto log = std::make_unique<ros::RosLogReader>(path, options);
   log->read_from(std::make_unique<FolderContainer>(std::move(recording.files), std::move(recording.about), *log));
   return log;
 }

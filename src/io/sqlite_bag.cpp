@@ -7,6 +7,8 @@
 #include <algorithm>
 
 #include "io/byte_source.hpp"
+#include "io/sqlite_salvage.hpp"
+#include "io/sqlite_vfs.hpp"
 
 namespace phasescan {
 namespace {
@@ -22,7 +24,6 @@ std::string column_text(sqlite3_stmt* statement, int column) {
 }
 
 constexpr int kMostTopics = 4096;
-constexpr int kMostRestarts = 64;
 
 }  // namespace
 
@@ -30,10 +31,10 @@ struct SqliteBag::Impl {
   sqlite3* db = nullptr;
   Statement rows;
   std::vector<BagTopic> topics;
-  std::int64_t last_id = 0;
-  std::int64_t step_over = 1;  ///< how far the next start lies behind a damaged place
-  bool first = true;
-  int restarts = 0;
+  std::string cut;
+  std::string path;
+  std::optional<SqliteSalvage> salvage;  ///< from the first damaged place on
+  std::int64_t last_id = INT64_MIN;
   bool ended = false;
 
   ~Impl() {
@@ -70,9 +71,14 @@ struct SqliteBag::Impl {
     if (rc != SQLITE_DONE && rc != SQLITE_ROW) fail();
   }
 
-  void start_rows(std::int64_t after) {
-    rows = prepare("SELECT id, topic_id, timestamp, data FROM messages WHERE id > ?1 ORDER BY id");
-    sqlite3_bind_int64(rows.get(), 1, after);
+  void start_rows() { rows = prepare("SELECT id, topic_id, timestamp, data FROM messages ORDER BY id"); }
+
+  /// The tree is broken: what is left of the rows behind the last one is taken from the pages as they lie.
+  [[noreturn]] void break_off(const std::string& why) {
+    salvage.emplace(path, last_id);
+    rows.reset();
+    throw DecodeError("sqlite: " + why +
+                      (last_id == INT64_MIN ? " before any row" : " after row " + std::to_string(last_id)));
   }
 };
 
@@ -95,8 +101,15 @@ SqliteBag::SqliteBag(const std::string& path) : impl_(std::make_unique<Impl>()) 
   }
   uri += has_wal ? "?mode=ro" : "?mode=ro&immutable=1";
   Impl& bag = *impl_;
-  if (sqlite3_open_v2(uri.c_str(), &bag.db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr) != SQLITE_OK) bag.fail();
+  bag.path = path;
   const std::uint64_t bytes = file_size_bytes(path);
+  if (!has_wal) {
+    const std::uint64_t stated = stated_database_bytes(path);
+    if (bytes < stated)
+      bag.cut = "the file ends after " + std::to_string(bytes) + " of " + std::to_string(stated) + " bytes";
+  }
+  const char* vfs = has_wal ? nullptr : whole_page_vfs();
+  if (sqlite3_open_v2(uri.c_str(), &bag.db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, vfs) != SQLITE_OK) bag.fail();
   sqlite3_limit(bag.db, SQLITE_LIMIT_LENGTH, static_cast<int>(std::clamp<std::uint64_t>(bytes, 1 << 16, 1 << 26)));
   // writable_schema lets sqlite start on a file that was cut off; the connection stays read-only.
   for (const char* pragma : {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON", "PRAGMA mmap_size=0",
@@ -106,10 +119,14 @@ SqliteBag::SqliteBag(const std::string& path) : impl_(std::make_unique<Impl>()) 
   bag.expect_plain_table("topics");
   bag.expect_plain_table("messages");
   bag.read_topics();
-  bag.start_rows(INT64_MIN);
+  bag.start_rows();
 }
 
 SqliteBag::~SqliteBag() = default;
+
+const std::string& SqliteBag::cut() const {
+  return impl_->cut;
+}
 
 const std::vector<BagTopic>& SqliteBag::topics() const {
   return impl_->topics;
@@ -118,35 +135,26 @@ const std::vector<BagTopic>& SqliteBag::topics() const {
 std::optional<BagRow> SqliteBag::next() {
   Impl& bag = *impl_;
   if (bag.ended) return std::nullopt;
+  if (bag.salvage) {
+    const std::optional<SqliteSalvage::Row> row = bag.salvage->next();
+    if (!row) return std::nullopt;
+    return BagRow{row->topic_id, row->time, row->data};
+  }
   const int rc = sqlite3_step(bag.rows.get());
   if (rc == SQLITE_DONE) {
     bag.ended = true;
     return std::nullopt;
   }
-  if (rc != SQLITE_ROW) {
-    const std::string why =
-        std::string("sqlite: ") + sqlite3_errmsg(bag.db) + " after row " + std::to_string(bag.last_id);
-    // Behind a lost page whole pages of good rows may follow: try ever farther on.
-    bag.ended = ++bag.restarts > kMostRestarts || bag.last_id > INT64_MAX - bag.step_over;
-    if (!bag.ended) {
-      bag.last_id += bag.step_over;
-      bag.step_over += std::min(bag.step_over, INT64_MAX - bag.step_over);
-      bag.start_rows(bag.last_id);
-    }
-    throw DecodeError(why);
-  }
+  if (rc != SQLITE_ROW) bag.break_off(sqlite3_errmsg(bag.db));
   sqlite3_stmt* row = bag.rows.get();
   const std::int64_t id = sqlite3_column_int64(row, 0);
-  if (id <= bag.last_id && !bag.first) {
-    // A damaged tree can lead back to rows that were read already, and round and round.
-    bag.ended = true;
-    throw DecodeError("sqlite: row " + std::to_string(id) + " stands behind row " + std::to_string(bag.last_id));
-  }
-  bag.first = false;
-  bag.step_over = 1;
-  bag.last_id = id;
+  // A damaged tree can lead back to rows that were read already, and round and round.
+  if (id <= bag.last_id) bag.break_off("row " + std::to_string(id) + " stands too late");
   const auto* data = static_cast<const std::uint8_t*>(sqlite3_column_blob(row, 3));
   const auto size = static_cast<std::size_t>(sqlite3_column_bytes(row, 3));
+  if (data == nullptr && sqlite3_errcode(bag.db) != SQLITE_ROW && sqlite3_column_type(row, 3) != SQLITE_NULL)
+    bag.break_off(sqlite3_errmsg(bag.db));
+  bag.last_id = id;
   return BagRow{sqlite3_column_int64(row, 1), sqlite3_column_int64(row, 2), Bytes(data, data == nullptr ? 0 : size)};
 }
 

@@ -36,9 +36,11 @@ class SqliteBag {
   SqliteBag(const SqliteBag&) = delete;
   SqliteBag& operator=(const SqliteBag&) = delete;
 
+  /// How far the file was cut off; empty where it is whole.
+  const std::string& cut() const;
   const std::vector<BagTopic>& topics() const;
-  /// The next row, or nothing at the end. @throws DecodeError at damage; the next call then goes on behind it, and
-  /// there is an end to that.
+  /// The next row, or nothing at the end. @throws DecodeError once, at the first damage; the next calls give what can
+  /// be salvaged of the rows behind it.
   std::optional<BagRow> next();
 
  private:

@@ -194,7 +194,7 @@ TEST(MatchCommand, BadInputIsOneLineWithItsPlaceAndExitCode2) {
   refused("increment", "{\"angle_min\": 0,\n\"angle_increment\": 0, \"ranges\": [1, 2]}",
           "2: \"angle_increment\" is 0");
   refused("count", "{\"angles\": [0, 1, 2], \"ranges\": [1, 2]}", "1: \"angles\" has 3 entries");
-  refused("gzip", std::string("\x1f\x8b\x08\x00", 4) + "rubbish rubbish", " the gzip data is broken");
+  refused("gzip", std::string("\x1f\x8b\x08\x00", 4) + "rubbish rubbish", " gzip: the data is broken");
   refused("binary", std::string("\x00\x01\x02\x03", 4), "1: is not JSON");
   refused("carmen", "FLASER 1 1 0 0 0 0 0 0 1 h 1\n", "1: is not JSON");
   expect_refusal(run_command({"match", good, folder.path()}), 2, "is a folder");

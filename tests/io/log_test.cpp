@@ -223,7 +223,7 @@ TEST(Log, WhatIsNoLogIsRefusedWithItsPlace) {
   EXPECT_THAT(message(folder / "absent"), HasSubstr("no such file"));
   EXPECT_THAT(message(folder.put("p", "{\"id\": 1, \"reference\": {}}\n")), HasSubstr("p:1: is a pairs file"));
   EXPECT_THAT(message(folder.put("broken.gz", std::string("\x1f\x8b\x08\x00", 4) + "rubbish rubbish rubbish")),
-              HasSubstr("gzip data is broken"));
+              HasSubstr("gzip: the data is broken"));
 }
 
 TEST(Log, ACutOffPackedLogIsReadAsFarAsItGoes) {

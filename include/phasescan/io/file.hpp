@@ -1,4 +1,4 @@
-/// Files: reading plain or gzip alike with clear failures, and writing that leaves the whole file or none.
+/// Files: reading plain or packed alike with clear failures, and writing that leaves the whole file or none.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace phasescan {
 
-/// Bytes of a file from front to back; gzip is recognised by content and unpacked on the way.
+/// Bytes of a file from front to back; gzip, bzip2, lz4 and zstd are recognised by content and unpacked on the way.
 class InputStream {
  public:
   /// @throws InputError (not found, a folder), SystemError (permission and whatever else the system refuses).
@@ -19,7 +19,7 @@ class InputStream {
   InputStream& operator=(InputStream&&) noexcept;
 
   /// Fills as much of `out` as the file still has; fewer bytes only at the end.
-  /// @throws InputError for broken or cut-off gzip data, after all that could be unpacked has been handed out.
+  /// @throws InputError for broken or cut-off packed data, after all that could be unpacked has been handed out.
   std::size_t read(std::span<char> out);
 
   const std::string& path() const { return path_; }
@@ -30,7 +30,7 @@ class InputStream {
   std::unique_ptr<Handle> handle_;
 };
 
-/// Lines of a text file, plain or gzip, in bounded memory. Line ends (LF, CRLF) and a UTF-8 byte order mark are taken
+/// Lines of a text file, plain or packed, in bounded memory. Line ends (LF, CRLF) and a UTF-8 byte order mark are taken
 /// off.
 class LineReader {
  public:
