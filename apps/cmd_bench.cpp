@@ -17,6 +17,7 @@ struct BenchFlags {
   std::string features;
   std::size_t count = 1000;
   int repeat = 1;
+  bool prepared = false;
   bool seed_given = false;
 };
 
@@ -53,7 +54,7 @@ int run_bench_command(const BenchFlags& flags) {
     throw std::invalid_argument(std::string("--method: ") + error.what());
   }
 
-  BenchInfo info{PHASESCAN_VERSION, {}, !common.no_times, flags.repeat};
+  BenchInfo info{PHASESCAN_VERSION, {}, !common.no_times, flags.repeat, flags.prepared};
   std::vector<PairSource> sources;
   for (const std::string& path : flags.pairs) {
     sources.push_back(file_source(path));
@@ -72,6 +73,7 @@ int run_bench_command(const BenchFlags& flags) {
   BenchSettings settings;
   settings.threads = common.threads;
   settings.repeat = flags.repeat;
+  settings.prepared = flags.prepared;
   settings.progress = [&](std::size_t done) { progress.step(done); };
   const InterruptGuard guard;
   const BenchRun run = run_bench(chain(std::move(sources)), methods, settings);
@@ -101,6 +103,8 @@ void add_bench_command(CLI::App& app, CommandBody& body) {
       ->type_name("N")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  command->add_flag("--prepared", flags->prepared,
+                    "prepare the references beforehand, outside of the times");
   auto* seed =
       command->add_option("--seed", flags->common.seed, "seed of the simulated sets; without: the one in the file")
           ->type_name("N");

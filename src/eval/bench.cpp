@@ -20,30 +20,47 @@ constexpr std::size_t kBlock = 512;
 /// One thread's matchers, and what it does with a pair.
 class Worker {
  public:
-  explicit Worker(const std::vector<BenchMethod>& methods) {
+  Worker(const std::vector<BenchMethod>& methods, bool prepared) : prepared_(prepared) {
     for (const BenchMethod& method : methods) matchers_.emplace_back(method.options);
   }
 
-  /// Matches and judges. @param out  one per method
-  void run(const BenchPair& given, PairOutcome* out) {
+  /// Forgets the references of the last block and prepares those of this one.
+  void prepare(const std::vector<BenchPair>& block, const std::vector<std::size_t>& order, std::size_t first,
+               std::size_t step) {
+    references_.clear();
+    if (!prepared_) return;
+    for (std::size_t i = first; i < order.size(); i += step) {
+      for (ScanMatcher& matcher : matchers_) references_.push_back(matcher.prepare(block[order[i]].pair.reference));
+    }
+  }
+
+  /// Matches the worker's k-th pair and judges. @param out  one per method
+  void run(const BenchPair& given, std::size_t k, PairOutcome* out) {
     const ScanPair& pair = given.pair;
     const double overlap = pair.truth ? scan_overlap(pair.reference, pair.scan, *pair.truth) : 0.0;
     for (std::size_t m = 0; m < matchers_.size(); ++m) {
-      out[m] = judge(pair, matchers_[m].match(pair.reference, pair.scan), m, overlap, given.information);
+      out[m] = judge(pair, match(m, k, pair), m, overlap, given.information);
       out[m].source = given.source;
     }
   }
 
   /// Matches once more and keeps the faster times.
-  void time_again(const ScanPair& pair, PairOutcome* out) {
+  void time_again(const ScanPair& pair, std::size_t k, PairOutcome* out) {
     for (std::size_t m = 0; m < matchers_.size(); ++m) {
-      const MatchTimes ms = matchers_[m].match(pair.reference, pair.scan).ms;
+      const MatchTimes ms = match(m, k, pair).ms;
       if (ms.total < out[m].ms.total) out[m].ms = ms;
     }
   }
 
  private:
+  MatchResult match(std::size_t m, std::size_t k, const ScanPair& pair) {
+    return prepared_ ? matchers_[m].match(references_[k * matchers_.size() + m], pair.scan)
+                     : matchers_[m].match(pair.reference, pair.scan);
+  }
+
+  bool prepared_;
   std::vector<ScanMatcher> matchers_;
+  std::vector<Reference> references_;  // of the worker's pairs in turn, one per method
 };
 
 /// 0 .. n-1 shuffled, always alike: neighbours in a file are often of one class and one place.
@@ -63,11 +80,13 @@ void run_block(const std::vector<BenchPair>& block, std::vector<Worker>& workers
   std::vector<std::exception_ptr> failures(workers.size());
   const auto work = [&](std::size_t k) {
     try {
+      workers[k].prepare(block, order, k, workers.size());
       for (int r = 0; r < repeat; ++r) {
         for (std::size_t i = k; i < order.size(); i += workers.size()) {
           const BenchPair& given = block[order[i]];
           PairOutcome* const at = out + order[i] * methods;
-          r == 0 ? workers[k].run(given, at) : workers[k].time_again(given.pair, at);
+          const std::size_t nth = i / workers.size();
+          r == 0 ? workers[k].run(given, nth, at) : workers[k].time_again(given.pair, nth, at);
         }
       }
     } catch (...) {
@@ -118,7 +137,7 @@ double time_reference_fft(int repeats) {
 
 BenchRun run_bench(const PairSource& source, const std::vector<BenchMethod>& methods, const BenchSettings& settings) {
   std::vector<Worker> workers;
-  for (int k = 0; k < std::max(1, settings.threads); ++k) workers.emplace_back(methods);
+  for (int k = 0; k < std::max(1, settings.threads); ++k) workers.emplace_back(methods, settings.prepared);
   BenchRun run;
   std::vector<double> fft_ms{time_reference_fft()};
   std::vector<BenchPair> block;

@@ -79,7 +79,10 @@ std::string bench_json(const BenchRun& run, const std::vector<BenchMethod>& meth
   Json out{{"phasescan", info.version}, {"command", "bench"}, {"sources", info.sources}, {"pairs", run.pairs}};
   out["success_limits"] = {{"translation_m", kSuccessTranslation_m}, {"rotation_deg", kSuccessRotation_deg}};
   if (info.times)
-    out["timing"] = {{"fft_128_r2c_ms", run.fft_ms}, {"repeat", info.repeat}, {"clock", "CPU time of all threads"}};
+    out["timing"] = {{"fft_128_r2c_ms", run.fft_ms},
+                     {"repeat", info.repeat},
+                     {"clock", "CPU time of all threads"},
+                     {"reference_prepared", info.prepared}};
   for (const BenchMethod& method : methods) out["options"][method.name] = options_json(method.options);
   out["rows"] = Json::array();
   for (const PairRow& row : pair_rows(run.outcomes)) out["rows"].push_back(row_json(row, methods, info, run.fft_ms));

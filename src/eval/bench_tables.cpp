@@ -108,10 +108,11 @@ Table error_table(const std::vector<PairRow>& rows, const std::vector<BenchMetho
   return table;
 }
 
-Table time_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods, double fft_ms) {
-  Table table{fmt::format("CPU time per match [ms], all threads, from raw ranges of both scans; one 128 x 128 float "
-                          "FFT took {} ms in the "
-                          "same process",
+Table time_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods, const BenchInfo& info,
+                 double fft_ms) {
+  Table table{fmt::format("CPU time per match [ms], all threads, {}; one 128 x 128 float FFT took {} ms in the same "
+                          "process",
+                          info.prepared ? "against a prepared reference" : "from raw ranges of both scans",
                           fixed(fft_ms, 4)),
               {"dataset", "class", "method", "mean", "p50", "p95", "p99", "p50 in FFTs", "image", "missing", "rotation",
                "translation", "refine"},
@@ -140,7 +141,7 @@ std::string bench_markdown(const BenchRun& run, const std::vector<BenchMethod>& 
   add("Success and honesty", success_table(rows, methods));
   add("Totals", success_table(totals, methods));
   add("Accuracy", error_table(rows, methods));
-  if (info.times) add("Time", time_table(rows, methods, run.fft_ms));
+  if (info.times) add("Time", time_table(rows, methods, info, run.fft_ms));
   std::vector<PairRow> calibrated;
   for (const PairRow& row : totals) {
     if (row.with_confidence > 0) calibrated.push_back(row);

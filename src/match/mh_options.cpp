@@ -6,7 +6,7 @@ namespace phasescan {
 
 template <>
 std::span<const std::string_view> enum_names<RotationSearch>() {
-  static constexpr std::array<std::string_view, 4> kNames{"sweep", "normals", "spectrum", "missing"};
+  static constexpr std::array<std::string_view, 5> kNames{"auto", "sweep", "normals", "spectrum", "missing"};
   return kNames;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "match/stage_clock.hpp"
@@ -14,6 +15,7 @@ constexpr int kWindow = CorrelationWindow::kWindow;
 constexpr int kPeakCells = 3;          // a second translation of one rotation is farther than this from the first
 constexpr double kTwinShare = 0.85;    // of the best coarse sum: worth a closer look
 constexpr int kSettleAttempts = 2;     // slides along the weakest direction that are followed
+constexpr double kSureScore = 0.25, kSureMargin = 0.15;  // below either a few rotations are not enough
 constexpr double kWorthASlide = 0.01;  // by so much the score must be better there
 // Lengths as shares of the scale (about 6 m for an RPLidar A1), from the coarse cell down.
 constexpr double kQuickGateStart = 0.075, kMiddleGateStart = 0.05, kFineGateStart = 0.04, kGateEnd = 0.035;
@@ -30,8 +32,15 @@ Pose2 shifted(const Pose2& centre, const ScoreTable& table, const CorrelationPea
   return {centre.x + cell * (peak.column - kWindow / 2), centre.y + cell * (peak.row - kWindow / 2), centre.theta};
 }
 
+// Total orders, so that equals come out alike whatever the sort.
+bool precedes(const Pose2& a, const Pose2& b) {
+  return std::tie(a.theta, a.x, a.y) < std::tie(b.theta, b.x, b.y);
+}
 bool better(const Hypothesis& a, const Hypothesis& b) {
-  return a.score > b.score;
+  return a.score > b.score || (a.score == b.score && precedes(a.T_ref_scan, b.T_ref_scan));
+}
+bool coarsely_better(const Hypothesis& a, const Hypothesis& b) {
+  return a.coarse > b.coarse || (a.coarse == b.coarse && precedes(a.T_ref_scan, b.T_ref_scan));
 }
 
 Eigen::Vector2d weakest_direction(const Eigen::Matrix3d& information) {
@@ -94,8 +103,7 @@ void MultiHypothesisSearch::sweep(const PreparedScan& reference, const PreparedS
 
 // Best first, without those that a better neighbour stands for.
 void MultiHypothesisSearch::thin(const PreparedScan& reference) {
-  std::stable_sort(coarse_.begin(), coarse_.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.coarse > b.coarse; });
+  std::sort(coarse_.begin(), coarse_.end(), coarsely_better);
   kept_.clear();
   const double near_m = 2.5 * static_cast<double>(reference.table.cell());
   const double near_rad = deg_to_rad(1.2 * options_.sweep_step_deg);
@@ -128,7 +136,7 @@ void MultiHypothesisSearch::refine_quickly(const PreparedScan& reference, const 
 
 void MultiHypothesisSearch::refine_candidates(const PreparedScan& reference, const PreparedScan& scan) {
   for (Hypothesis& h : kept_) refine_quickly(reference, scan, h);
-  std::stable_sort(kept_.begin(), kept_.end(), better);
+  std::sort(kept_.begin(), kept_.end(), better);
 }
 
 // A room that looks the same after a quarter or half turn explains the scan at a place that may lie far outside the
@@ -155,7 +163,7 @@ void MultiHypothesisSearch::add_twins(const PreparedScan& reference, const Prepa
 
 void MultiHypothesisSearch::sort_distinct(std::vector<Hypothesis>& all, double scale_m,
                                           std::vector<Hypothesis>& distinct) {
-  std::stable_sort(all.begin(), all.end(), better);
+  std::sort(all.begin(), all.end(), better);
   distinct.clear();
   const double metres = std::max(kDistinct * scale_m, kDistinctLeast_m), radians = deg_to_rad(kDistinctTurn_deg);
   for (const Hypothesis& h : all) {
@@ -233,6 +241,31 @@ void MultiHypothesisSearch::settle(const PreparedScan& reference, const Prepared
   }
 }
 
+// Hypotheses from the listed rotations, refined and weighed, in kept_.
+void MultiHypothesisSearch::look(const PreparedScan& reference, const PreparedScan& scan,
+                                 const std::optional<Pose2>& guess, SearchTimes& times) {
+  StageClock clock;
+  sweep(reference, scan, guess);
+  thin(reference);
+  clock.add_to(times.translation);
+  refine_candidates(reference, scan);
+  if (options_.twins && !guess) add_twins(reference, scan);
+  clock.add_to(times.refine);
+}
+
+// Whether the best of kept_ explains the scans well, and clearly better than the next distinct one.
+bool MultiHypothesisSearch::convinces(const PreparedScan& reference) const {
+  if (kept_.empty()) return false;
+  const Hypothesis& best = *std::max_element(kept_.begin(), kept_.end(), [](const Hypothesis& a, const Hypothesis& b) {
+    return a.score < b.score;
+  });
+  const double metres = std::max(kDistinct * reference.scale_m, kDistinctLeast_m);
+  return best.score >= kSureScore && std::none_of(kept_.begin(), kept_.end(), [&](const Hypothesis& h) {
+           return h.score > best.score - kSureMargin &&
+                  !same_pose(h.T_ref_scan, best.T_ref_scan, metres, deg_to_rad(kDistinctTurn_deg));
+         });
+}
+
 void MultiHypothesisSearch::run(const PreparedScan& reference, const PreparedScan& scan,
                                 const std::optional<Pose2>& guess, SearchOutcome& out, SearchTimes* times) {
   out.hypotheses.clear();
@@ -245,11 +278,12 @@ void MultiHypothesisSearch::run(const PreparedScan& reference, const PreparedSca
   StageClock clock;
   rotations_.list(reference, scan, guess, rotation_list_);
   clock.add_to(ms.rotation);
-  sweep(reference, scan, guess);
-  thin(reference);
-  clock.add_to(ms.translation);
-  refine_candidates(reference, scan);
-  if (options_.twins && !guess) add_twins(reference, scan);
+  look(reference, scan, guess, ms);
+  if (options_.rotations == RotationSearch::kAutomatic && !guess && !convinces(reference)) {
+    rotations_.list_all(rotation_list_);
+    look(reference, scan, guess, ms);
+  }
+  clock = {};
   refine_finalists(reference, scan, out);
   settle(reference, scan, out);
   clock.add_to(ms.refine);

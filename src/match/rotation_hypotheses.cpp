@@ -61,6 +61,11 @@ void RotationHypotheses::all(double centre, int steps_each_side, std::vector<Rot
   for (int k = from; k <= to; ++k) out.push_back({wrap_angle(centre + kTwoPi * k / steps), RotationSource::kSweep});
 }
 
+void RotationHypotheses::list_all(std::vector<RotationHypothesis>& out) const {
+  out.clear();
+  all(0.0, 1 << 20, out);
+}
+
 void RotationHypotheses::list(const PreparedScan& reference, const PreparedScan& scan,
                               const std::optional<Pose2>& guess, std::vector<RotationHypothesis>& out) {
   out.clear();
@@ -69,11 +74,11 @@ void RotationHypotheses::list(const PreparedScan& reference, const PreparedScan&
     for (RotationHypothesis& hypothesis : out) hypothesis.source = RotationSource::kGuess;
     return;
   }
-  if (options_.rotations == RotationSearch::kNormals) {
+  if (options_.rotations == RotationSearch::kNormals || options_.rotations == RotationSearch::kAutomatic) {
     NormalCorrelation correlation;
     correlate_normals(reference.normals, scan.normals, correlation);
-    for (const double theta : normal_peaks(correlation, options_.rotation_peaks))
-      out.push_back({theta, RotationSource::kNormals});
+    normal_peaks(correlation, options_.rotation_peaks, angles_);
+    for (const double theta : angles_) out.push_back({theta, RotationSource::kNormals});
   } else if (options_.rotations == RotationSearch::kMissing) {
     const MissingRotation rotation = MissingMatcher().match(reference.missing, scan.missing, MissingOptions{});
     if (rotation.accepted) {
@@ -93,7 +98,7 @@ void RotationHypotheses::list(const PreparedScan& reference, const PreparedScan&
       out.push_back({wrap_angle(peak.theta + kPi), RotationSource::kSpectrum});
     }
   }
-  // The complete sweep: by default, and where a source has nothing to say.
+  // The complete sweep: where asked for, and where a source has nothing to say.
   if (out.empty()) all(0.0, 1 << 20, out);
 }
 

@@ -53,18 +53,21 @@ void correlate_normals(const NormalHistogram& reference, const NormalHistogram& 
   for (auto& value : out) value *= scale;
 }
 
-std::vector<double> normal_peaks(const NormalCorrelation& correlation, int count) {
-  std::vector<std::pair<float, int>> peaks;
+void normal_peaks(const NormalCorrelation& correlation, int count, std::vector<double>& angles) {
+  std::array<std::pair<float, int>, kBins> peaks;
+  std::size_t found = 0;
   for (int k = 0; k < kBins; ++k) {
     const float here = correlation[static_cast<std::size_t>(k)];
     const float before = correlation[static_cast<std::size_t>((k + kBins - 1) % kBins)];
     const float after = correlation[static_cast<std::size_t>((k + 1) % kBins)];
-    if (here > 0.0F && here >= before && here > after) peaks.emplace_back(here, k);
+    if (here > 0.0F && here >= before && here > after) peaks[found++] = {here, k};
   }
-  std::stable_sort(peaks.begin(), peaks.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  if (peaks.size() > static_cast<std::size_t>(count)) peaks.resize(static_cast<std::size_t>(count));
-  std::vector<double> angles;
-  for (const auto& [score, k] : peaks) {
+  std::sort(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(found),
+            [](const auto& a, const auto& b) { return a.first > b.first || (a.first == b.first && a.second < b.second); });
+  angles.reserve(kBins);
+  angles.clear();
+  for (std::size_t p = 0; p < std::min(found, static_cast<std::size_t>(count)); ++p) {
+    const auto [score, k] = peaks[p];
     const double here = static_cast<double>(score);
     const double before = static_cast<double>(correlation[static_cast<std::size_t>((k + kBins - 1) % kBins)]);
     const double after = static_cast<double>(correlation[static_cast<std::size_t>((k + 1) % kBins)]);
@@ -72,7 +75,6 @@ std::vector<double> normal_peaks(const NormalCorrelation& correlation, int count
     const double shift = bend < 0.0 ? 0.5 * (before - after) / bend : 0.0;
     angles.push_back(wrap_angle((static_cast<double>(k) + shift) * kTwoPi / kBins));
   }
-  return angles;
 }
 
 }  // namespace phasescan

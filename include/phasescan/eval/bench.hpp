@@ -55,6 +55,7 @@ PairSource simulated_source(std::shared_ptr<const sim::PairGenerator> generator,
 struct BenchSettings {
   int threads = 1;
   int repeat = 1;  ///< passes over each block of pairs, in shuffled order; the fastest times of each match are kept
+  bool prepared = false;  ///< references are prepared before a block is matched, outside of the times
   std::function<void(std::size_t pairs_done)> progress;
 };
 

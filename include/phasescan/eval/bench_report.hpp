@@ -18,6 +18,7 @@ struct BenchInfo {
   std::vector<std::string> sources;  ///< files or simulated sets, as named by the user
   bool times = true;                 ///< false: no time appears anywhere
   int repeat = 1;
+  bool prepared = false;  ///< as in BenchSettings
 };
 
 /// Everything of the run, machine-readable (schema: docs/RESULTS.md).

@@ -5,14 +5,14 @@
 
 namespace phasescan {
 
-/// Where rotation hypotheses come from. `sweep` is complete; the others name a few and fall back to it when they
-/// cannot.
-enum class RotationSearch { kSweep, kNormals, kSpectrum, kMissing };
+/// Where rotation hypotheses come from. `sweep` is complete; `automatic` tries those of the normals and sweeps where what
+/// they lead to does not convince; the others name a few and fall back to the sweep only when they cannot name any.
+enum class RotationSearch { kAutomatic, kSweep, kNormals, kSpectrum, kMissing };
 template <>
 std::span<const std::string_view> enum_names<RotationSearch>();
 
 struct MhOptions {
-  RotationSearch rotations = RotationSearch::kSweep;
+  RotationSearch rotations = RotationSearch::kAutomatic;
   int rotation_peaks = 8;
   double sweep_step_deg = 6.0;
   double guess_turn_deg = 45.0;
@@ -32,7 +32,7 @@ struct MhOptions {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("rotations", self.rotations, OptionInfo{"", "sweep (complete), normals, spectrum or missing"});
+    v("rotations", self.rotations, OptionInfo{"", "auto (normals, then sweep if in doubt), sweep (complete), normals, spectrum or missing"});
     v("rotation_peaks", self.rotation_peaks,
       OptionInfo{"", "rotations taken from normals or spectrum (each with its twin)", 1, 64});
     v("sweep_step_deg", self.sweep_step_deg,

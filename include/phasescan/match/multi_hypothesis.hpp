@@ -59,6 +59,9 @@ class MultiHypothesisSearch {
   PrepareOptions prepare_options(bool reference) const;
 
  private:
+  void look(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
+            SearchTimes& times);
+  bool convinces(const PreparedScan& reference) const;
   void sweep(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess);
   void thin(const PreparedScan& reference);
   void refine_candidates(const PreparedScan& reference, const PreparedScan& scan);

@@ -26,11 +26,15 @@ class RotationHypotheses {
   void list(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
             std::vector<RotationHypothesis>& out);
 
+  /// Every rotation of the complete sweep.
+  void list_all(std::vector<RotationHypothesis>& out) const;
+
  private:
   struct Spectral;
   void all(double centre, int steps_each_side, std::vector<RotationHypothesis>& out) const;
 
   MhOptions options_;
+  std::vector<double> angles_;
   std::unique_ptr<Spectral> spectral_;  // only where asked for
 };
 

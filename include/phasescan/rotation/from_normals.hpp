@@ -25,7 +25,7 @@ void fill_normal_histogram(const SurfacePoints& surface, NormalHistogram& out);
 /// k * 360 / kBins degrees faces as the reference does. @cost kBins^2
 void correlate_normals(const NormalHistogram& reference, const NormalHistogram& scan, NormalCorrelation& out);
 
-/// Angles of the highest local maxima, best first [rad], in (-pi, pi].
-std::vector<double> normal_peaks(const NormalCorrelation& correlation, int count);
+/// Angles of the highest local maxima, best first [rad], in (-pi, pi], into `angles`, which grows at most once.
+void normal_peaks(const NormalCorrelation& correlation, int count, std::vector<double>& angles);
 
 }  // namespace phasescan
