@@ -6,6 +6,8 @@
 
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
+#include "phasescan/eval/place_fit.hpp"
+#include "phasescan/io/file.hpp"
 #include "phasescan/match/scan_matcher.hpp"
 #include "phasescan/scan/points.hpp"
 #include "phasescan/sim/places.hpp"
@@ -17,6 +19,7 @@ namespace {
 struct RetrievalFlags {
   CommonFlags common;
   std::size_t places = 1000, queries = 2000, verify = 200;
+  std::string fit;
 };
 
 /// Where a place or a query is: poses of different buildings have nothing in common.
@@ -27,28 +30,20 @@ struct Whereabouts {
 
 struct Query {
   PlaceDescriptor descriptor;
-  std::size_t place = 0;
+  std::vector<std::size_t> right;  ///< places within a metre in line of sight
   Scan scan;
   Whereabouts at;
 };
 
-/// Whether the query stands within a metre of the place and sees it: the place it was made for, or one as near.
-bool is_there(const Query& query, std::size_t place, const Whereabouts& at) {
-  if (place == query.place) return true;
-  if (at.building != query.at.building) return false;
-  const Pose2 T_query_place = query.at.T_world_sensor.inverse() * at.T_world_sensor;
-  const double distance = std::hypot(T_query_place.x, T_query_place.y);
-  if (distance > 1.0) return false;
-  const double direction = std::atan2(T_query_place.y, T_query_place.x);
-  for (std::size_t i = 0; i < query.scan.size(); ++i) {
-    if (query.scan.is_hit(i) && angle_distance(query.scan.angle(i), direction) < deg_to_rad(1.0)) {
-      return static_cast<double>(query.scan.ranges[i]) > distance;
-    }
-  }
-  return false;
+int run_fit(const RetrievalFlags& flags) {
+  Progress progress("places", 4 * flags.places);
+  write_file(flags.fit, fit_place_projection(flags.common.seed, flags.places,
+                                             [&progress](std::size_t done) { progress.step(done); }));
+  return kDone;
 }
 
 int run_retrieval(const RetrievalFlags& flags) {
+  if (!flags.fit.empty()) return run_fit(flags);
   const sim::PlacesOptions options;
   const sim::LidarOptions lidar;
   PlaceDescriber describer;
@@ -62,6 +57,7 @@ int run_retrieval(const RetrievalFlags& flags) {
   double describe_s = 0.0;
   Progress progress("places", flags.places);
   for (std::uint64_t building = 0; index.size() < flags.places; ++building) {
+    const std::size_t first_of_building = index.size();
     for (const sim::Place& place : sim::make_places(options, lidar, flags.common.seed, building)) {
       if (index.size() >= flags.places) break;
       const std::size_t k = index.size();
@@ -73,8 +69,9 @@ int run_retrieval(const RetrievalFlags& flags) {
       places.push_back({place.building, place.T_world_place});
       if (k % stride != 0) continue;
       scan_to_points(place.query, points);
-      queries.push_back(
-          {describer.describe(points.x, points.y), k, place.query, {place.building, place.T_world_query}});
+      Query query{describer.describe(points.x, points.y), {}, place.query, {place.building, place.T_world_query}};
+      for (const std::uint32_t other : place.in_reach) query.right.push_back(first_of_building + other);
+      queries.push_back(std::move(query));
     }
     progress.step(index.size());
   }
@@ -88,7 +85,8 @@ int run_retrieval(const RetrievalFlags& flags) {
     query_us.push_back(1e6 * (thread_cpu_seconds() - start));
     bool there = false;
     for (std::size_t r = 0; r < hits.size(); ++r) {
-      const bool right = is_there(queries[q], hits[r].place, places[hits[r].place]);
+      const auto& rights = queries[q].right;
+      const bool right = std::find(rights.begin(), rights.end(), hits[r].place) != rights.end();
       first += r == 0 && right;
       there = there || right;
     }
@@ -144,6 +142,11 @@ void add_retrieval_command(CLI::App& app, CommandBody& body) {
       ->type_name("N")
       ->check(CLI::Range(0, 10'000'000))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--fit", flags->fit,
+          "fit the projection of descriptors to N places of each of four kinds of building instead, and write it to FILE")
+      ->type_name("FILE");
   add_seed_flag(*command, flags->common);
   add_config_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);

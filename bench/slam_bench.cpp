@@ -71,7 +71,7 @@ void BM_PlaceIndex(benchmark::State& state) {
   PlaceIndex index;
   PlaceDescriptor d;
   for (std::int64_t i = 0; i < state.range(0); ++i) {
-    for (auto& v : d) v = static_cast<std::uint8_t>(random.below(256));
+    for (auto& v : d) v = static_cast<std::int8_t>(static_cast<int>(random.below(256)) - 128);
     index.add(d);
   }
   for (auto _ : state) benchmark::DoNotOptimize(index.nearest(d, 10));

@@ -32,10 +32,17 @@ std::vector<Place> make_places(const PlacesOptions& options, const LidarOptions&
                         random.uniform(-kPi, kPi)};
       if (caster.clearance(query.translation(), options.clearance_m) < options.clearance_m) continue;
       if (!caster.line_of_sight(pose->translation(), query.translation())) continue;
-      Place place{building, *pose, simulate_scan(around, lidar, *pose, random), query, {}};
+      Place place{building, *pose, simulate_scan(around, lidar, *pose, random), query, {}, {}};
       place.query = simulate_scan(around, lidar, query, random);
       places.push_back(std::move(place));
       break;
+    }
+  }
+  for (Place& place : places) {
+    for (std::uint32_t k = 0; k < places.size(); ++k) {
+      if (translation_distance(places[k].T_world_place, place.T_world_query) <= options.reach_m &&
+          caster.line_of_sight(places[k].T_world_place.translation(), place.T_world_query.translation()))
+        place.in_reach.push_back(k);
     }
   }
   return places;

@@ -9,15 +9,16 @@
 #include "phasescan/image/rasterize.hpp"
 #include "phasescan/scan/points.hpp"
 #include "phasescan/spectrum/fft.hpp"
+#include "slam/place_projection.hpp"
 
 namespace phasescan {
 namespace {
 
 constexpr int kSize = 128;
-constexpr double kReachM = 6.0;
-constexpr int kAngles = 64;                               // samples of half a ring; the other half repeats it
+constexpr double kReachM = 6.0, kTaperM = 3.0;
+constexpr float kLeastTurn = 0.0131F;                     // [rad], sine of the least angle between hits that count
+constexpr std::size_t kAngles = 64;                       // samples of half a ring; the other half repeats it
 constexpr double kLeastRadius = 0.03, kMostRadius = 0.5;  // of the Nyquist frequency
-constexpr double kUnit = 25.0;                            // of the 8-bit numbers: what the mean of a descriptor becomes
 
 }  // namespace
 
@@ -27,35 +28,64 @@ struct PlaceDescriber::Impl {
   Image image;
   ComplexBuffer spectrum;
   ScanPoints points;
-  std::vector<float> sample_u, sample_v;   // where rings are read, in cells of the half spectrum
-  std::vector<std::complex<float>> turns;  // exp(-2 pi i h a / kAngles)
+  std::vector<float> taper;               // of each pixel
+  std::vector<float> root;                // sqrt(|F|), as the spectrum lies
+  std::vector<float> sample_u, sample_v;  // where rings are read, in cells of the half spectrum
+  // cos and sin of 2 pi h a / kAngles: of each angle first all cosines, then all sines.
+  std::array<std::array<float, 2 * kPlaceHarmonics>, kAngles> turns{};
 
   Impl() {
-    for (std::size_t r = 0; r < kDescriptorRadii; ++r) {
-      const double share = static_cast<double>(r) / (kDescriptorRadii - 1);
+    for (std::size_t r = 0; r < kPlaceRings; ++r) {
+      const double share = static_cast<double>(r) / (kPlaceRings - 1);
       const double radius = 0.5 * kSize * (kLeastRadius + share * (kMostRadius - kLeastRadius));
-      for (int a = 0; a < kAngles; ++a) {
-        const double angle = kPi * a / kAngles - 0.5 * kPi;
+      for (std::size_t a = 0; a < kAngles; ++a) {
+        const double angle = kPi * static_cast<double>(a) / kAngles - 0.5 * kPi;
         sample_u.push_back(static_cast<float>(radius * std::cos(angle)));
         sample_v.push_back(static_cast<float>(radius * std::sin(angle)));
       }
     }
-    for (std::size_t h = 0; h < kDescriptorHarmonics; ++h) {
-      for (int a = 0; a < kAngles; ++a) {
-        const double turn = -kTwoPi * static_cast<double>(h) * a / kAngles;
-        turns.emplace_back(static_cast<float>(std::cos(turn)), static_cast<float>(std::sin(turn)));
+    for (std::size_t a = 0; a < kAngles; ++a) {
+      for (std::size_t h = 0; h < kPlaceHarmonics; ++h) {
+        const double turn = kTwoPi * static_cast<double>(h * a % kAngles) / kAngles;
+        turns[a][h] = static_cast<float>(std::cos(turn));
+        turns[a][kPlaceHarmonics + h] = static_cast<float>(std::sin(turn));
+      }
+    }
+    const double pixel_m = 2.0 * kReachM / kSize;
+    for (int row = 0; row < kSize; ++row) {
+      for (int col = 0; col < kSize; ++col) {
+        const double x = (col + 0.5 - 0.5 * kSize) * pixel_m, y = (row + 0.5 - 0.5 * kSize) * pixel_m;
+        taper.push_back(static_cast<float>(std::exp(-0.5 * (x * x + y * y) / (kTaperM * kTaperM))));
       }
     }
   }
 
+  /// Takes the hits that count into `points`.
+  void select(std::span<const float> x, std::span<const float> y) {
+    points.clear();
+    float last_x = 0.0F, last_y = 0.0F, last_range = 0.0F;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const float range = std::sqrt(x[i] * x[i] + y[i] * y[i]);
+      if (!(range < static_cast<float>(kReachM))) continue;
+      const bool ahead = x[i] * last_x + y[i] * last_y > 0.0F;
+      const float sine = std::abs(x[i] * last_y - y[i] * last_x);
+      if (ahead && sine < kLeastTurn * range * last_range) continue;
+      last_x = x[i], last_y = y[i], last_range = range;
+      points.x.push_back(x[i]);
+      points.y.push_back(y[i]);
+      points.range.push_back(range);
+      points.beam.push_back(static_cast<int>(i));
+    }
+  }
+
   /// sqrt(|F|), bilinear between cells; v wraps, u is in [0, kSize / 2].
-  float magnitude_at(float u, float v) const {
+  float root_at(float u, float v) const {
     const int u0 = static_cast<int>(std::floor(u)), v0 = static_cast<int>(std::floor(v));
     const float fu = u - static_cast<float>(u0), fv = v - static_cast<float>(v0);
     const auto cell = [&](int cu, int cv) {
       const auto row = static_cast<std::size_t>((cv + kSize) % kSize),
                  col = static_cast<std::size_t>(std::clamp(cu, 0, kSize / 2));
-      return std::sqrt(std::abs(spectrum[row * (kSize / 2 + 1) + col]));
+      return root[row * (kSize / 2 + 1) + col];
     };
     return (1 - fv) * ((1 - fu) * cell(u0, v0) + fu * cell(u0 + 1, v0)) +
            fv * ((1 - fu) * cell(u0, v0 + 1) + fu * cell(u0 + 1, v0 + 1));
@@ -66,43 +96,43 @@ PlaceDescriber::PlaceDescriber() : impl_(std::make_unique<Impl>()) {}
 PlaceDescriber::~PlaceDescriber() = default;
 PlaceDescriber::PlaceDescriber(PlaceDescriber&&) noexcept = default;
 
-PlaceDescriptor PlaceDescriber::describe(std::span<const float> x, std::span<const float> y) {
-  PlaceDescriptor out{};
+bool PlaceDescriber::features(std::span<const float> x, std::span<const float> y, PlaceFeatures& out) {
+  out.fill(0.0F);
   Impl& m = *impl_;
-  m.points.clear();
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const float range = std::sqrt(x[i] * x[i] + y[i] * y[i]);
-    if (!(range < kReachM)) continue;
-    m.points.x.push_back(x[i]);
-    m.points.y.push_back(y[i]);
-    m.points.range.push_back(range);
-    m.points.beam.push_back(static_cast<int>(i));
-  }
-  if (m.points.size() == 0) return out;
+  m.select(x, y);
+  if (m.points.size() == 0) return false;
   m.rasterizer.draw(m.points, 0.0, ImageGrid{kSize, kReachM}, m.image);
+  for (std::size_t i = 0; i < m.taper.size(); ++i) m.image.pixels()[i] *= m.taper[i];
   m.fft.forward(m.image.pixels(), m.spectrum);
-  std::array<float, kDescriptorSize> values{};
-  std::array<float, kAngles> ring{};
-  float mean = 0.0F;
-  for (std::size_t r = 0; r < kDescriptorRadii; ++r) {
-    for (std::size_t a = 0; a < kAngles; ++a)
-      ring[a] = m.magnitude_at(m.sample_u[r * kAngles + a], m.sample_v[r * kAngles + a]);
-    for (std::size_t h = 0; h < kDescriptorHarmonics; ++h) {
-      float re = 0.0F, im = 0.0F;
-      for (std::size_t a = 0; a < kAngles; ++a) {
-        re += ring[a] * m.turns[h * kAngles + a].real();
-        im += ring[a] * m.turns[h * kAngles + a].imag();
-      }
-      // The mean of a ring says little beside its harmonics.
+  m.root.resize(m.spectrum.size());
+  for (std::size_t i = 0; i < m.root.size(); ++i) {
+    const float re = m.spectrum[i].real(), im = m.spectrum[i].imag();
+    m.root[i] = std::sqrt(std::sqrt(re * re + im * im));
+  }
+  float sum = 0.0F;
+  for (std::size_t r = 0; r < kPlaceRings; ++r) {
+    std::array<float, 2 * kPlaceHarmonics> parts{};
+    for (std::size_t a = 0; a < kAngles; ++a) {
+      const float value = m.root_at(m.sample_u[r * kAngles + a], m.sample_v[r * kAngles + a]);
+      for (std::size_t k = 0; k < parts.size(); ++k) parts[k] += value * m.turns[a][k];
+    }
+    for (std::size_t h = 0; h < kPlaceHarmonics; ++h) {
+      const float re = parts[h], im = parts[kPlaceHarmonics + h];
+      // The mean of a ring is real and counts half.
       const float value = std::sqrt(re * re + im * im) * (h == 0 ? 0.5F : 1.0F);
-      values[r * kDescriptorHarmonics + h] = value;
-      mean += value / static_cast<float>(kDescriptorSize);
+      out[r * kPlaceHarmonics + h] = value;
+      sum += value;
     }
   }
-  if (!(mean > 0.0F)) return out;
-  for (std::size_t i = 0; i < kDescriptorSize; ++i) {
-    out[i] = static_cast<std::uint8_t>(std::min(255.0F, std::round(values[i] / mean * static_cast<float>(kUnit))));
-  }
+  if (!(sum > 0.0F)) return false;
+  for (float& value : out) value *= static_cast<float>(kPlaceFeatures) / sum;
+  return true;
+}
+
+PlaceDescriptor PlaceDescriber::describe(std::span<const float> x, std::span<const float> y) {
+  PlaceDescriptor out{};
+  PlaceFeatures values;
+  if (features(x, y, values)) place_projection().apply(values, out);
   return out;
 }
 

@@ -10,18 +10,20 @@ namespace phasescan {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Sum of absolute differences of the query to each of `count` descriptors of `size` bytes, a multiple of 64.
-void Distances(const std::uint8_t* HWY_RESTRICT query, const std::uint8_t* HWY_RESTRICT all, std::size_t count,
+// Squared distances of the query to each of `count` descriptors of `size` numbers, a multiple of 32.
+void Distances(const std::int8_t* HWY_RESTRICT query, const std::int8_t* HWY_RESTRICT all, std::size_t count,
                std::size_t size, std::uint32_t* HWY_RESTRICT out) {
-  const hn::CappedTag<std::uint8_t, 64> d;
-  const hn::Repartition<std::uint64_t, decltype(d)> d64;
+  const hn::CappedTag<std::int16_t, 32> d16;
+  const hn::Rebind<std::int8_t, decltype(d16)> d8;
+  const hn::RepartitionToWide<decltype(d16)> d32;
   for (std::size_t k = 0; k < count; ++k, all += size) {
-    auto sum = hn::Zero(d64);
-    for (std::size_t i = 0; i < size; i += hn::Lanes(d)) {
-      const auto a = hn::LoadU(d, query + i), b = hn::LoadU(d, all + i);
-      sum = hn::Add(sum, hn::SumsOf8(hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a))));
+    auto even = hn::Zero(d32), odd = hn::Zero(d32);
+    for (std::size_t i = 0; i < size; i += hn::Lanes(d16)) {
+      const auto step =
+          hn::Sub(hn::PromoteTo(d16, hn::LoadU(d8, query + i)), hn::PromoteTo(d16, hn::LoadU(d8, all + i)));
+      even = hn::ReorderWidenMulAccumulate(d32, step, step, even, odd);
     }
-    out[k] = static_cast<std::uint32_t>(hn::GetLane(hn::SumOfLanes(d64, sum)));
+    out[k] = static_cast<std::uint32_t>(hn::GetLane(hn::SumOfLanes(d32, hn::Add(even, odd))));
   }
 }
 

@@ -132,6 +132,11 @@ TEST(Places, AreApartAndEachHasAQueryInSight) {
     EXPECT_EQ(places[i].scan.size(), 360U);
     for (std::size_t k = 0; k < i; ++k)
       EXPECT_GE(translation_distance(places[i].T_world_place, places[k].T_world_place), options.apart_m);
+    const auto& right = places[i].in_reach;
+    EXPECT_TRUE(std::is_sorted(right.begin(), right.end()));
+    EXPECT_TRUE(std::find(right.begin(), right.end(), i) != right.end());
+    for (const std::uint32_t k : right)
+      EXPECT_LE(translation_distance(places[k].T_world_place, places[i].T_world_query), options.reach_m);
   }
 }
 

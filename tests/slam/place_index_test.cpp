@@ -14,13 +14,16 @@ namespace {
 
 PlaceDescriptor random_descriptor(Random& random) {
   PlaceDescriptor d;
-  for (auto& v : d) v = static_cast<std::uint8_t>(random.below(256));
+  for (auto& v : d) v = static_cast<std::int8_t>(static_cast<int>(random.below(256)) - 128);
   return d;
 }
 
 std::uint32_t distance(const PlaceDescriptor& a, const PlaceDescriptor& b) {
   std::uint32_t sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += static_cast<std::uint32_t>(std::abs(int{a[i]} - int{b[i]}));
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const int step = int{a[i]} - int{b[i]};
+    sum += static_cast<std::uint32_t>(step * step);
+  }
   return sum;
 }
 
@@ -65,6 +68,22 @@ TEST(PlaceDescriber, HardlyChangesWithAnyTurnAndMoreWithAnotherPlace) {
   for (const double turn : {0.3, 1.1, 2.0, 3.0, -2.2})
     EXPECT_LT(1.25 * distance(here, describe({0.05, 0.02, turn})), distance(here, elsewhere)) << turn;
   EXPECT_EQ(describer.describe({}, {}), PlaceDescriptor{});
+}
+
+TEST(PlaceDescriber, FinerSensorsSeeWhatCoarserOnesSee) {
+  const auto walls = testing::two_rooms();
+  PlaceDescriber describer;
+  ScanPoints points;
+  const auto describe = [&](const Pose2& pose, int beams) {
+    Random random(2);
+    testing::ToyLidar lidar;
+    lidar.beams = beams;
+    scan_to_points(testing::toy_scan(walls, pose, lidar, random, 0), points);
+    return describer.describe(points.x, points.y);
+  };
+  const PlaceDescriptor here = describe({0, 0, 0}, 360);
+  for (const int beams : {720, 1440})
+    EXPECT_LT(1.5 * distance(here, describe({0, 0, 0.7}, beams)), distance(here, describe({6.5, -0.5, 0}, 360)));
 }
 
 }  // namespace

@@ -18,6 +18,9 @@ struct Place {
   Scan scan;
   Pose2 T_world_query;
   Scan query;
+  /// Numbers within the building of all places that the query stands within reach of, in line of sight, ascending: this
+  /// one and any other that would be as right an answer.
+  std::vector<std::uint32_t> in_reach;
 };
 
 struct PlacesOptions {

@@ -11,10 +11,10 @@ namespace phasescan {
 
 struct PlaceHit {
   std::uint32_t place = 0;
-  std::uint32_t distance = 0;  ///< sum of absolute differences
+  std::uint32_t distance = 0;  ///< sum of squared differences
 };
 
-/// Brute force over 8-bit descriptors: 128 bytes a place, read in one sweep.
+/// Brute force over 8-bit descriptors: 96 bytes a place, read in one sweep.
 class PlaceIndex {
  public:
   /// @return the number of the place, counting from 0
@@ -25,7 +25,7 @@ class PlaceIndex {
   std::size_t size() const { return descriptors_.size() / kDescriptorSize; }
 
  private:
-  std::vector<std::uint8_t> descriptors_;
+  std::vector<std::int8_t> descriptors_;
 };
 
 }  // namespace phasescan
