@@ -13,6 +13,7 @@ struct BenchFlags {
   CommonFlags common;
   std::vector<std::string> pairs;
   std::vector<std::string> sim;
+  std::vector<std::string> variants;
   std::string out;
   std::string features;
   std::size_t count = 1000;
@@ -53,6 +54,7 @@ int run_bench_command(const BenchFlags& flags) {
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(std::string("--method: ") + error.what());
   }
+  for (const std::string& text : flags.variants) methods.push_back(bench_variant(text, config.match));
 
   BenchInfo info{PHASESCAN_VERSION, {}, !common.no_times, flags.repeat, flags.prepared};
   std::vector<PairSource> sources;
@@ -103,8 +105,12 @@ void add_bench_command(CLI::App& app, CommandBody& body) {
       ->type_name("N")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_flag("--prepared", flags->prepared,
-                    "prepare the references beforehand, outside of the times");
+  command->add_flag("--prepared", flags->prepared, "prepare the references beforehand, outside of the times");
+  command
+      ->add_option("--variant", flags->variants,
+                   "one more column: the method with other options (\"no twins: mh.twins=false\"); may be repeated")
+      ->type_name("NAME: SECTION.OPTION=VALUE,..")
+      ->allow_extra_args(false);
   auto* seed =
       command->add_option("--seed", flags->common.seed, "seed of the simulated sets; without: the one in the file")
           ->type_name("N");

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Fills the tables of docs/RESULTS.md from the results.json files of scripts/results.
+"""Fills the tables of docs/RESULTS.md and docs/fft-mh.md from the results.json files of scripts/bench.
 
-A place for a table is `<!-- table: KIND FOLDER [METHOD,...] -->` ... `<!-- end -->`; what stands between is replaced.
-A place whose results are not there keeps its old content. Usage: fill_results.py RESULTS_FOLDER docs/RESULTS.md
+A place for a table is `<!-- table: KIND FOLDER[,FOLDER...] [METHOD,...] -->` ... `<!-- end -->`; what stands between is replaced.
+A place whose results are not there keeps its old content. Usage: fill_results.py RESULTS_FOLDER PAGE.md
 """
 import datetime
 import json
@@ -104,7 +104,58 @@ def shortcut(results, methods):
                      "fft-icp1 p50 [ms]"], table)
 
 
-KINDS = {"success": success, "honesty": honesty, "accuracy": accuracy, "time": time, "shortcut": shortcut}
+def of_dataset(results, methods):
+    """[(dataset, method, row of all classes, {class: row})], datasets as they come and all together last."""
+    totals = keep(results["totals"], methods)
+    rows = keep(results["rows"], methods) + [r for r in totals if r["dataset"] == "all" and r["class"] != "all"]
+    wholes = [r for r in totals if r["class"] == "all"]
+    return [(r["dataset"], r["method"], r, {c["class"]: c for c in rows if (c["dataset"], c["method"]) == (r["dataset"], r["method"])})
+            for r in wholes]
+
+
+def corridors(results, methods):
+    """Pairs whose truth leaves sigma > 0.05 m in some direction, and the success of the others by class."""
+    table = []
+    for dataset, method, whole, classes in of_dataset(results, methods):
+        weak = whole["weak"]
+        if not weak["n"]:
+            continue
+        others = [(classes.get(c) or {}).get("success_without_weak") for c in CLASSES]
+        table.append([dataset, method, weak["n"], percent(weak["ambiguous"] / weak["n"]), percent(weak["across_below_0_1_m"] / weak["n"]),
+                      *(f"{percent(s['share'])} ({s['n']})" if s else "-" for s in others)])
+    return markdown(["dataset", "method", "corridor pairs", "called ambiguous [%]", "across < 0.1 m [%]",
+                     *(f"others, {c} [%] (n)" for c in CLASSES)], table, 2)
+
+
+def nees(results, methods):
+    """Share of e' C^-1 e below 7.81 among usable answers."""
+    table = [[dataset, method, *(percent((classes.get(c) or {}).get("nees_below_7_81")) for c in CLASSES), percent(whole["nees_below_7_81"])]
+             for dataset, method, whole, classes in of_dataset(results, methods) if whole["nees_below_7_81"] is not None]
+    return markdown(["dataset", "method", *CLASSES, "all"], table, 2)
+
+
+def ablation(results_of):
+    """One line per variant: success on each set, against the first line's, and the median time on the first set."""
+    first = next(iter(results_of.values()))
+    rows = {name: {r["method"]: r for r in results["totals"] if r["dataset"] == "all" and r["class"] == "all"}
+            for name, results in results_of.items()}
+    base = next(iter(first["options"]))
+    table = []
+    for method in first["options"]:
+        cells = []
+        for of_method in rows.values():
+            share, whole = of_method[method]["success"]["share"], of_method[base]["success"]["share"]
+            cells.append(percent(share, 2) + ("" if method == base else f" ({100 * (share - whole):+.2f})"))
+        of_first = next(iter(rows.values()))
+        us, base_us = (1000 * of_first[m]["ms"]["total"]["p50"] for m in (method, base))
+        bound = of_first[method].get("times_the_bound")
+        table.append([method, *cells, number(bound, 2), f"{us:.0f}" + ("" if method == base else f" ({us - base_us:+.0f})")])
+    sets = [f"{name.removeprefix('ablation-')} [%]" for name in rows]
+    return markdown(["variant", *sets, "times the bound", "median [us]"], table)
+
+
+KINDS = {"success": success, "honesty": honesty, "accuracy": accuracy, "time": time, "shortcut": shortcut, "corridors": corridors,
+         "nees": nees}
 
 
 def machine():
@@ -120,6 +171,10 @@ def fill(folder, kind, source, methods):
     if kind == "text":
         path = folder / source
         return path.read_text() if path.exists() else None
+    if kind == "ablation":
+        found = {s: folder / s / "results.json" for s in source.split(",")}
+        found = {s: json.loads(p.read_text()) for s, p in found.items() if p.exists()}
+        return ablation(found) if found else None
     path = folder / source / "results.json"
     return KINDS[kind](json.loads(path.read_text()), methods) if path.exists() else None
 

@@ -16,7 +16,7 @@ import pathlib
 
 import numpy as np
 
-GIVEN = ["source", "dataset", "class", "id", "method", "right", "usable", "ambiguous", "confidence"]
+GIVEN = ["source", "dataset", "class", "id", "method", "right", "usable", "ambiguous", "confidence", "weak_sigma_m", "across_m"]
 
 
 class Answers:

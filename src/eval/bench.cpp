@@ -8,6 +8,7 @@
 
 #include "phasescan/core/random.hpp"
 #include "phasescan/core/time.hpp"
+#include "phasescan/eval/pair_information.hpp"
 #include "phasescan/eval/statistics.hpp"
 #include "phasescan/match/scan_matcher.hpp"
 #include "phasescan/spectrum/fft.hpp"
@@ -38,8 +39,12 @@ class Worker {
   void run(const BenchPair& given, std::size_t k, PairOutcome* out) {
     const ScanPair& pair = given.pair;
     const double overlap = pair.truth ? scan_overlap(pair.reference, pair.scan, *pair.truth) : 0.0;
+    const bool simulated = pair.information.has_value();
+    std::optional<Eigen::Matrix3d> information = pair.information;
+    if (!simulated && pair.truth) information = surface_information(pair.reference, pair.scan, *pair.truth);
     for (std::size_t m = 0; m < matchers_.size(); ++m) {
-      out[m] = judge(pair, match(m, k, pair), m, overlap, given.information);
+      out[m] = judge(pair, match(m, k, pair), m, overlap, information,
+                     simulated ? InformationSource::kSimulator : InformationSource::kSurfaces);
       out[m].source = given.source;
     }
   }

@@ -17,13 +17,14 @@ std::string cell(const std::string& text) {
 }  // namespace
 
 std::string bench_features(const BenchRun& run, const std::vector<BenchMethod>& methods) {
-  std::string out = "source,dataset,class,id,method,right,usable,ambiguous,confidence";
+  std::string out = "source,dataset,class,id,method,right,usable,ambiguous,confidence,weak_sigma_m,across_m";
   for (const std::string_view name : confidence_feature_names()) out += fmt::format(",{}", name);
   out += "\n";
   for (const PairOutcome& o : run.outcomes) {
     if (o.features.empty()) continue;
-    out += fmt::format("{},{},{},{},{},{:d},{:d},{:d},{:.6g}", cell(o.source), cell(o.dataset), cell(o.cls), cell(o.id),
-                       cell(methods[o.method].name), o.right, o.usable, o.ambiguous, o.confidence.value_or(0.0));
+    out += fmt::format("{},{},{},{},{},{:d},{:d},{:d},{:.6g},{:.4g},{:.4g}", cell(o.source), cell(o.dataset),
+                       cell(o.cls), cell(o.id), cell(methods[o.method].name), o.right, o.usable, o.ambiguous,
+                       o.confidence.value_or(0.0), o.weak_sigma_m, o.error_across_m);
     for (const double value : o.features) out += fmt::format(",{:.9g}", value);
     out += "\n";
   }

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <optional>
 
 #include "phasescan/eval/bench_report.hpp"
 
@@ -51,14 +53,22 @@ Chart time_chart(const BenchRun& run, const std::vector<BenchMethod>& methods) {
   return chart;
 }
 
-/// Share of all pairs whose error is below x: failures keep the curve below 1.
-Chart error_chart(const BenchRun& run, const std::vector<BenchMethod>& methods, bool rotation) {
+/// What an error chart shows: of which pairs, and how large.
+struct ErrorView {
+  const char* title;
+  const char* label;
+  double min, max, limit;
+  std::function<std::optional<double>(const PairOutcome&)> error;  ///< nothing: not of these pairs
+};
+
+/// Share of the pairs whose error is below x: failures keep the curve below 1.
+Chart error_chart(const BenchRun& run, const std::vector<BenchMethod>& methods, const ErrorView& view) {
   Chart chart;
-  chart.title = rotation ? "Rotation error" : "Translation error";
-  chart.x.label = rotation ? "error [deg]" : "error [m]";
+  chart.title = view.title;
+  chart.x.label = view.label;
   chart.x.log = true;
-  chart.x.min = rotation ? 0.01 : 0.001;
-  chart.x.max = rotation ? 180.0 : 5.0;
+  chart.x.min = view.min;
+  chart.x.max = view.max;
   chart.y.label = "share of pairs below [%]";
   chart.y.min = 0.0;
   chart.y.max = 100.0;
@@ -68,7 +78,7 @@ Chart error_chart(const BenchRun& run, const std::vector<BenchMethod>& methods, 
     s.marker = Marker::kNone;
     std::vector<double> errors;
     for (const PairOutcome* o : of_method(run.outcomes, m)) {
-      if (o->has_truth) errors.push_back(rotation ? rad_to_deg(std::abs(o->error_theta)) : o->translation_error());
+      if (const auto error = view.error(*o)) errors.push_back(*error);
     }
     if (errors.empty()) continue;
     std::sort(errors.begin(), errors.end());
@@ -80,13 +90,27 @@ Chart error_chart(const BenchRun& run, const std::vector<BenchMethod>& methods, 
     }
     chart.series.push_back(std::move(s));
   }
-  const double limit = rotation ? kSuccessRotation_deg : kSuccessTranslation_m;
-  chart.series.push_back({SeriesKind::kLine, "", {limit, limit}, {0.0, 100.0}});
+  chart.series.push_back({SeriesKind::kLine, "", {view.limit, view.limit}, {0.0, 100.0}});
   chart.series.back().color = std::string(palette::kMuted);
   chart.series.back().width = 1.0;
   chart.series.back().dash = "4 3";
   return chart;
 }
+
+using MaybeError = std::optional<double>;
+const ErrorView kTranslation{
+    "Translation error", "error [m]", 0.001, 5.0, kSuccessTranslation_m, [](const PairOutcome& o) {
+      return o.has_truth ? o.translation_error() : MaybeError();
+    }};
+const ErrorView kRotation{"Rotation error", "error [deg]", 0.01, 180.0, kSuccessRotation_deg, [](const PairOutcome& o) {
+                            return o.has_truth ? rad_to_deg(std::abs(o.error_theta)) : MaybeError();
+                          }};
+const ErrorView kAcrossCorridors{"Corridors: error across what cannot be known",
+                                 "error [m]",
+                                 0.001,
+                                 5.0,
+                                 kSuccessTranslation_m,
+                                 [](const PairOutcome& o) { return is_weak(o) ? o.error_across_m : MaybeError(); }};
 
 Chart reliability_chart(const BenchRun& run, const std::vector<BenchMethod>& methods) {
   Chart chart;
@@ -119,6 +143,10 @@ Chart reliability_chart(const BenchRun& run, const std::vector<BenchMethod>& met
     chart.series.push_back(std::move(s));
   }
   return chart;
+}
+
+bool any_weak(const BenchRun& run) {
+  return std::any_of(run.outcomes.begin(), run.outcomes.end(), is_weak);
 }
 
 bool any_confidence(const BenchRun& run) {
@@ -214,8 +242,9 @@ std::map<std::string, std::string> bench_figures(const BenchRun& run, const std:
     out["overlap.svg"] = overlap_chart(run.outcomes, methods, "Success against overlap").svg(560.0, 360.0);
     Figure errors;
     errors.cell_width = 420.0;
-    errors.charts = {error_chart(run, methods, false), error_chart(run, methods, true)};
+    errors.charts = {error_chart(run, methods, kTranslation), error_chart(run, methods, kRotation)};
     out["errors.svg"] = errors.svg();
+    if (any_weak(run)) out["corridors.svg"] = error_chart(run, methods, kAcrossCorridors).svg(420.0, 340.0);
   }
   if (info.times) out["time.svg"] = time_chart(run, methods).svg(640.0, 380.0);
   if (any_confidence(run)) out["reliability.svg"] = reliability_chart(run, methods).svg(420.0, 460.0);

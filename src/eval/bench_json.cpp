@@ -29,17 +29,14 @@ Json moments_json(const Moments& m) {
   return {{"mean", m.mean}, {"variance", m.variance}, {"std", m.std}, {"median", m.median}};
 }
 
+Json success_json(std::size_t n, std::size_t count, double share, const Interval& interval) {
+  if (n == 0) return nullptr;
+  return {{"n", n}, {"count", count}, {"share", share}, {"low", interval.low}, {"high", interval.high}};
+}
+
 Json row_json(const PairRow& row, const std::vector<BenchMethod>& methods, const BenchInfo& info, double fft_ms) {
   Json out{{"dataset", row.dataset}, {"class", row.cls}, {"method", methods[row.method].name}, {"n", row.n}};
-  if (row.with_truth > 0) {
-    out["success"] = {{"n", row.with_truth},
-                      {"count", row.right},
-                      {"share", row.success()},
-                      {"low", row.interval.low},
-                      {"high", row.interval.high}};
-  } else {
-    out["success"] = nullptr;
-  }
+  out["success"] = success_json(row.with_truth, row.right, row.success(), row.interval);
   out["honesty"] = {{"right_usable", row.right_usable},
                     {"right_refused", row.right_refused},
                     {"wrong_refused", row.wrong_refused},
@@ -49,9 +46,8 @@ Json row_json(const PairRow& row, const std::vector<BenchMethod>& methods, const
       {"x_m", moments_json(row.x_m)}, {"y_m", moments_json(row.y_m)}, {"rotation_deg", moments_json(row.rotation_deg)}};
   out["nees_below_7_81"] = row.nees_below;
   out["times_the_bound"] = row.efficiency;
-  if (row.weak > 0) {
-    out["weak"] = {{"n", row.weak}, {"ambiguous", row.weak_ambiguous}, {"across_below_0_1_m", row.weak_across}};
-  }
+  out["weak"] = {{"n", row.weak}, {"ambiguous", row.weak_ambiguous}, {"across_below_0_1_m", row.weak_across}};
+  out["success_without_weak"] = success_json(row.known(), row.known_right(), row.known_success(), row.known_interval);
   if (row.with_confidence > 0) {
     out["confidence"] = {{"n", row.with_confidence}, {"auc", row.auc}, {"calibration_error", row.calibration_error}};
   } else {

@@ -6,25 +6,8 @@
 
 #include "phasescan/eval/bench.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/sim/truth.hpp"
 
 namespace phasescan {
-namespace {
-
-BenchPair simulate(const sim::PairGenerator& generator, std::size_t k) {
-  sim::SimulatedPair made = generator.make(k);
-  BenchPair out;
-  if (made.pair.truth) {
-    const sim::RayCaster caster(made.world.shape);
-    out.information = sim::pair_information({&caster, &made.loose_ref}, {&caster, &made.loose_scan}, made.lidar,
-                                            made.T_world_ref, made.T_world_scan);
-  }
-  out.pair = std::move(made.pair);
-  return out;
-}
-
-}  // namespace
-
 std::string source_name(const std::string& path) {
   const std::size_t slash = path.find_last_of('/');
   const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
@@ -46,7 +29,7 @@ void separate_sources(std::vector<PairOutcome>& outcomes) {
 PairSource pair_source(const std::vector<ScanPair>& pairs) {
   return [&pairs, next = std::size_t{0}]() mutable -> std::optional<BenchPair> {
     if (next == pairs.size()) return std::nullopt;
-    return BenchPair{pairs[next++], std::nullopt, {}};
+    return BenchPair{pairs[next++], {}};
   };
 }
 
@@ -63,7 +46,7 @@ PairSource file_source(const std::string& path) {
       throw InputError(path, line->line, "no \"truth\": expected {\"x\", \"y\", \"theta\"} for every class but none");
     }
     if (pair.dataset.empty()) pair.dataset = source_name(path);
-    return BenchPair{std::move(pair), std::nullopt, source_name(path)};
+    return BenchPair{std::move(pair), source_name(path)};
   };
 }
 
@@ -82,7 +65,7 @@ PairSource simulated_source(std::shared_ptr<const sim::PairGenerator> generator,
       std::vector<std::exception_ptr> failures(workers);
       const auto work = [&](std::size_t worker) {
         try {
-          for (std::size_t i = worker; i < n; i += workers) block[i] = simulate(*generator, state->next + i);
+          for (std::size_t i = worker; i < n; i += workers) block[i].pair = generator->make(state->next + i).pair;
         } catch (...) {
           failures[worker] = std::current_exception();
         }

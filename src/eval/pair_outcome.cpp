@@ -61,7 +61,7 @@ double PairOutcome::translation_error() const {
 }
 
 PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t method, double overlap,
-                  const std::optional<Eigen::Matrix3d>& information) {
+                  const std::optional<Eigen::Matrix3d>& information, InformationSource source) {
   PairOutcome out;
   out.id = pair.id;
   out.dataset = pair.dataset;
@@ -85,6 +85,7 @@ PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t m
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(result.covariance);
   if (lu.isInvertible()) out.nees = e.dot(lu.solve(e));
   if (information) judge_by_information(*information, e, out);
+  if (source == InformationSource::kSurfaces) out.efficiency = std::numeric_limits<double>::quiet_NaN();
   return out;
 }
 

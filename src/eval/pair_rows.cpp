@@ -31,6 +31,10 @@ std::vector<std::vector<const PairOutcome*>> sort_into(const std::vector<PairOut
   return boxes;
 }
 
+double share(std::size_t hits, std::size_t n) {
+  return n > 0 ? static_cast<double>(hits) / static_cast<double>(n) : std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
 std::array<double, 6> step_ms(const MatchTimes& ms) {
@@ -38,8 +42,11 @@ std::array<double, 6> step_ms(const MatchTimes& ms) {
 }
 
 double PairRow::success() const {
-  return with_truth > 0 ? static_cast<double>(right) / static_cast<double>(with_truth)
-                        : std::numeric_limits<double>::quiet_NaN();
+  return share(right, with_truth);
+}
+
+double PairRow::known_success() const {
+  return share(known_right(), known());
 }
 
 PairRow sum_up(std::span<const PairOutcome* const> outcomes) {
@@ -66,8 +73,9 @@ PairRow sum_up(std::span<const PairOutcome* const> outcomes) {
       rotation.push_back(rad_to_deg(std::abs(o->error_theta)));
       row.shortcut_right += o->rotation_source == RotationSource::kMissingData;
     }
-    if (o->weak_sigma_m > kWeakSigma_m) {
+    if (is_weak(*o)) {
       ++row.weak;
+      row.weak_right += o->right;
       row.weak_ambiguous += o->ambiguous;
       row.weak_across += o->error_across_m < kSuccessTranslation_m;
     } else if (o->right && std::isfinite(o->efficiency)) {
@@ -84,14 +92,14 @@ PairRow sum_up(std::span<const PairOutcome* const> outcomes) {
   }
   row.efficiency = std::sqrt(moments(efficiencies).mean);
   row.interval = wilson_interval(row.right, row.with_truth);
+  row.known_interval = wilson_interval(row.known_right(), row.known());
   row.x_m = moments(x);
   row.y_m = moments(y);
   row.rotation_deg = moments(rotation);
   row.with_confidence = judgements.size();
   row.auc = area_under_roc(judgements);
   row.calibration_error = calibration_error(judgements);
-  row.nees_below = nees_n > 0 ? static_cast<double>(nees_inside) / static_cast<double>(nees_n)
-                              : std::numeric_limits<double>::quiet_NaN();
+  row.nees_below = share(nees_inside, nees_n);
   for (std::size_t s = 0; s < times.size(); ++s) {
     row.times[s] = {moments(times[s]).mean, quantile(times[s], 0.5), quantile(times[s], 0.95),
                     quantile(times[s], 0.99)};

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "phasescan/core/random.hpp"
@@ -69,6 +70,46 @@ TEST(Bench, OutcomesComePairByPairAndAreTheSameForAnyNumberOfThreads) {
   }
   EXPECT_EQ(one.find("\"ms\""), std::string::npos);
   EXPECT_EQ(one.find("fft_128"), std::string::npos);
+}
+
+TEST(Bench, AVariantIsTheMethodWithOtherOptions) {
+  MatchOptions options;
+  options.match.method = MatchMethod::kFftMh;
+  const BenchMethod variant = bench_variant("no twins, fast : mh.twins=false, match.fast = true", options);
+  EXPECT_EQ(variant.name, "no twins, fast");
+  EXPECT_FALSE(variant.options.mh.twins);
+  EXPECT_TRUE(variant.options.match.fast);
+  EXPECT_EQ(variant.options.match.method, MatchMethod::kFftMh);
+  EXPECT_TRUE(bench_variant("same:", options).options.mh.twins);
+  for (const char* wrong : {"", "no colon", ": mh.twins=false", "x: mh.twins", "x: mh.nothing=1", "x: mh.twins=maybe",
+                            "x: twins=false", "x: mh.candidates=0"}) {
+    EXPECT_THROW(bench_variant(wrong, options), std::invalid_argument) << wrong;
+  }
+}
+
+TEST(Bench, PreparedReferencesChangeTheTimesAlone) {
+  const std::vector<ScanPair> pairs = some_pairs();
+  const std::vector<BenchMethod> methods = bench_methods("fft-icp2,fft-mh", {});
+  BenchSettings prepared;
+  prepared.prepared = true;
+  prepared.repeat = 2;
+  const BenchInfo info{"1.2.3", {"some pairs"}, false, 1};
+  const BenchRun raw = run_bench(pair_source(pairs), methods), fast = run_bench(pair_source(pairs), methods, prepared);
+  EXPECT_EQ(bench_json(raw, methods, info), bench_json(fast, methods, info));
+}
+
+TEST(Bench, FeaturesAreALineForEveryAnswerWithAConfidence) {
+  const std::vector<ScanPair> pairs = some_pairs();
+  const std::vector<BenchMethod> methods = bench_methods("icp,fft-mh", {});
+  const std::string csv = bench_features(run_bench(pair_source(pairs), methods), methods);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + static_cast<long>(pairs.size()));
+  const std::string header = csv.substr(0, csv.find('\n'));
+  std::size_t start = header.size() + 1;
+  while (start < csv.size()) {
+    const std::string line = csv.substr(start, csv.find('\n', start) - start);
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ',')) << line;
+    start += line.size() + 1;
+  }
 }
 
 TEST(Bench, JsonHasARowPerDatasetClassAndMethodWithEveryField) {

@@ -1,7 +1,6 @@
 /// Runs methods over pairs of scans and keeps what the tables need.
 #pragma once
 
-#include <Eigen/Core>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -24,10 +23,13 @@ struct BenchMethod {
 /// @throws std::invalid_argument for an unknown or doubled name, or none.
 std::vector<BenchMethod> bench_methods(const std::string& comma_separated, const MatchOptions& options);
 
-/// A pair and, where a simulator made it, the information its ranges hold of the pose (sim/truth.hpp).
+/// A column from "NAME: section.option=value, ...": these options over the given ones.
+/// @throws std::invalid_argument saying what is wrong with the text.
+BenchMethod bench_variant(const std::string& text, const MatchOptions& options);
+
+/// A pair and where it came from.
 struct BenchPair {
   ScanPair pair;
-  std::optional<Eigen::Matrix3d> information;
   std::string source = {};  ///< the file's name without folder and ending, or the simulated set's
 };
 

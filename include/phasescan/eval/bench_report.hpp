@@ -32,7 +32,8 @@ std::map<std::string, std::string> bench_figures(const BenchRun& run, const std:
                                                  const BenchInfo& info);
 
 /// What each confidence was computed from, a line per answer that has one, as CSV with a header: source, dataset,
-/// class, id, method, right, usable, ambiguous, confidence, and the features by name. tools/fit_confidence.py reads it.
+/// class, id, method, right, usable, ambiguous, confidence, weak_sigma_m, across_m (see PairOutcome), and the features
+/// by name. tools/fit_confidence.py reads it.
 std::string bench_features(const BenchRun& run, const std::vector<BenchMethod>& methods);
 
 /// The parts, for other reports.

@@ -35,9 +35,9 @@ struct PairOutcome {
   double nees = std::numeric_limits<double>::quiet_NaN();     ///< e^T C^-1 e; NaN without a truth or for a singular C
   double overlap = std::numeric_limits<double>::quiet_NaN();  ///< of the two scans at the true pose, see scan_overlap
   double efficiency =
-      std::numeric_limits<double>::quiet_NaN();  ///< e^T J e, J the information of both scans; NaN where unknown
+      std::numeric_limits<double>::quiet_NaN();  ///< e^T J e, J the simulator's information of both scans; else NaN
   double weak_sigma_m = 0.0;    ///< largest standard deviation J leaves in any direction [m]; 0 where J is unknown
-  double error_across_m = 0.0;  ///< error across that direction [m]
+  double error_across_m = 0.0;  ///< error across that direction, where the pose is well known [m]
   bool ambiguous = false;
   RotationSource rotation_source = RotationSource::kNone;
   MatchTimes ms;
@@ -45,12 +45,22 @@ struct PairOutcome {
   double translation_error() const;
 };
 
+/// Where a pair's information comes from.
+enum class InformationSource {
+  kSimulator,  ///< exact: an error can be held against the Cramer-Rao bound
+  kSurfaces,   ///< of the scans themselves, see surface_information: tells corridors only
+};
+
 /// From here on a direction counts as one that nobody can know (a bare corridor).
 inline constexpr double kWeakSigma_m = 0.05;
+inline bool is_weak(const PairOutcome& outcome) {
+  return outcome.weak_sigma_m > kWeakSigma_m;
+}
 
 /// Judges an answer. `overlap` is taken as given (it is the same for every method).
 PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t method, double overlap,
-                  const std::optional<Eigen::Matrix3d>& information = {});
+                  const std::optional<Eigen::Matrix3d>& information = {},
+                  InformationSource source = InformationSource::kSimulator);
 
 /// How much of the two scans shows the same surfaces: of each scan the share of hits that have a hit of the other
 /// within 0.1 m + 1.5 times the gap between the other's beams at that range; the smaller of the two shares. 0 if either

@@ -39,13 +39,18 @@ struct PairRow {
                       ///< a truth
   double efficiency;  ///< sqrt(mean(e^T J e) / 3) over the successes that are not weak: 1 is the Cramer-Rao bound
   std::size_t weak = 0;            ///< pairs whose position cannot be known in some direction (sigma above 0.05 m)
+  std::size_t weak_right = 0;      ///< of those, successes
   std::size_t weak_ambiguous = 0;  ///< of those, called ambiguous
   std::size_t weak_across = 0;     ///< of those, error across that direction below 0.1 m
+  Interval known_interval;         ///< of the successes among the pairs that are not weak
   std::array<std::size_t, 6> rotation_sources{};  ///< by RotationSource
   std::size_t shortcut_right = 0;                 ///< successes whose rotation came from the missing data
   std::array<TimeRow, 6> times;
 
   double success() const;  ///< right / with_truth
+  std::size_t known() const { return with_truth - weak; }
+  std::size_t known_right() const { return right - weak_right; }
+  double known_success() const;  ///< the same over the pairs that are not weak
 };
 
 /// Sums up outcomes, which may come in any order.
