@@ -23,11 +23,16 @@ struct BadLine {
 class Words {
  public:
   explicit Words(std::string_view line) {
-    std::size_t from = 0;
-    while ((from = line.find_first_not_of(" \t", from)) != std::string_view::npos) {
-      const std::size_t to = std::min(line.find_first_of(" \t", from), line.size());
-      words_.push_back(line.substr(from, to - from));
-      from = to;
+    const auto blank = [](char c) { return c == ' ' || c == '\t'; };
+    const char* at = line.data();
+    const char* const end = at + line.size();
+    words_.reserve(line.size() / 5);
+    for (;;) {
+      while (at != end && blank(*at)) ++at;
+      if (at == end) return;
+      const char* const begin = at;
+      while (at != end && !blank(*at)) ++at;
+      words_.emplace_back(begin, static_cast<std::size_t>(at - begin));
     }
   }
 

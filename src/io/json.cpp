@@ -111,7 +111,7 @@ std::vector<float> numbers_of(const Json& array, const Place& place, const char*
       place.fail(key, std::string("\"") + key + "\"[" + std::to_string(out.size()) + "] is " + kind_of(entry) +
                           "; expected a number or null");
     }
-    out.push_back(static_cast<float>(*value > kRangeLimit ? kInfinity : *value));
+    out.push_back(bounded(*value));
   }
   return out;
 }
@@ -138,6 +138,10 @@ Stamp stamp_of(const Json& object, const Place& place) {
 }
 
 }  // namespace
+
+float bounded(double value) {
+  return static_cast<float>(value > kRangeLimit ? kInfinity : value);
+}
 
 void Place::fail(std::string_view key, const std::string& reason) const {
   const std::size_t at = key.empty() ? 0 : text.find("\"" + std::string(key) + "\"");
@@ -166,38 +170,41 @@ Json parse(const Place& place) {
   }
 }
 
-Scan scan_from(const Json& object, const Place& place) {
+Scan scan_from(const Json& object, const Place& place, const ScanArrays& taken) {
   if (!object.is_object()) place.fail("", "is " + kind_of(object) + "; expected a scan object");
-  const Json* ranges = array_of(object, place, "ranges");
-  if (ranges == nullptr) place.fail("", "\"ranges\" is missing; expected a scan with an array of ranges");
-  const std::vector<float> raw = numbers_of(*ranges, place, "ranges");
-  std::vector<float> angles;
+  const auto array = [&](const std::optional<std::vector<float>>& there, const char* key) {
+    if (there) return there;
+    const Json* found = array_of(object, place, key);
+    return found == nullptr ? std::nullopt : std::optional(numbers_of(*found, place, key));
+  };
+  const auto raw = array(taken.ranges, "ranges");
+  if (!raw) place.fail("", "\"ranges\" is missing; expected a scan with an array of ranges");
   ScanGeometry geometry;
-  if (const Json* array = array_of(object, place, "angles")) {
-    angles = numbers_of(*array, place, "angles");
-    expect_count(angles, raw.size(), place, "angles");
-    for (const float angle : angles) {
+  const auto angles = array(taken.angles, "angles");
+  if (angles) {
+    expect_count(*angles, raw->size(), place, "angles");
+    for (const float angle : *angles) {
       if (!(std::abs(angle) <= static_cast<float>(kAngleLimit)))
         place.fail("angles", "\"angles\" holds no possible angle; expected radians");
     }
   } else {
     geometry.angle_min = angle_of(object, place, "angle_min");
     geometry.angle_increment = angle_of(object, place, "angle_increment");
-    if (geometry.angle_increment == 0.0 && raw.size() > 1) {
+    if (geometry.angle_increment == 0.0 && raw->size() > 1) {
       place.fail("angle_increment",
                  "\"angle_increment\" is 0; expected radians between beams, negative for a clockwise sensor");
     }
   }
   geometry.range_min = number_of(object, place, "range_min", 0.0);
   geometry.range_max = number_of(object, place, "range_max", 0.0);
-  Scan scan = make_scan(raw, geometry, angles);
+  Scan scan = make_scan(*raw, geometry, angles.value_or(std::vector<float>()));
   scan.stamp = stamp_of(object, place);
   const double step = number_of(object, place, "time_increment", 0.0);
   scan.time_increment = step > 0.0 && step <= kBeamTimeLimit ? step : 0.0;
-  if (const Json* array = array_of(object, place, "intensities"); array != nullptr && !array->empty()) {
-    scan.intensities = numbers_of(*array, place, "intensities");
-    expect_count(scan.intensities, raw.size(), place, "intensities");
-    for (float& value : scan.intensities) value = std::isfinite(value) ? value : 0.0F;
+  if (auto intensities = array(taken.intensities, "intensities"); intensities && !intensities->empty()) {
+    expect_count(*intensities, raw->size(), place, "intensities");
+    for (float& value : *intensities) value = std::isfinite(value) ? value : 0.0F;
+    scan.intensities = std::move(*intensities);
   }
   return scan;
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/scan/scan.hpp"
@@ -26,8 +28,20 @@ struct Place {
 /// "-inf".
 Json parse(const Place& place);
 
-/// A scan object. `key` names it in messages ("" for the whole text).
-Scan scan_from(const Json& object, const Place& place);
+/// A number of an array: what is beyond any range is out of range.
+float bounded(double value);
+
+/// The long arrays of a scan object, read straight from its text: a tree of them would take most of the time.
+struct ScanArrays {
+  std::optional<std::vector<float>> ranges, intensities, angles;
+};
+
+/// Takes the arrays out of the text of a scan object; `rest` becomes the text with empty ones. False where one of them
+/// holds anything but plain numbers and nulls: then the whole text is for `parse`, which says what is wrong.
+bool take_scan_arrays(std::string_view text, ScanArrays& arrays, std::string& rest);
+
+/// A scan object. Arrays that were taken out of the text already stand in `taken`.
+Scan scan_from(const Json& object, const Place& place, const ScanArrays& taken = {});
 
 /// {"x", "y", "theta"}, finite, theta wrapped.
 Pose2 pose_from(const Json& object, const Place& place, std::string_view key);

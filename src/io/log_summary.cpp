@@ -22,14 +22,14 @@ void LogSummary::add(const LogEntry& entry) {
   range_max_unknown_ += scan.geometry.range_max <= 0.0;
   with_intensities_ += !scan.intensities.empty();
   with_time_increment_ += scan.time_increment > 0.0;
-  bool any_hit = false;
-  for (std::size_t i = 0; i < n; ++i) {
-    ++states_[static_cast<std::size_t>(scan.states[i])];
-    if (!scan.is_hit(i)) continue;
-    any_hit = true;
-    longest_hit_ = std::max(longest_hit_, static_cast<double>(scan.ranges[i]));
+  for (std::size_t state = 0; state < states_.size(); ++state) {
+    states_[state] +=
+        static_cast<std::size_t>(std::count(scan.states.begin(), scan.states.end(), static_cast<BeamState>(state)));
   }
-  usable_ += any_hit;
+  float longest = 0.0F;
+  for (const float range : scan.ranges) longest = range > longest ? range : longest;  // a missing one is NaN
+  longest_hit_ = std::max(longest_hit_, static_cast<double>(longest));
+  usable_ += longest > 0.0F;
   add_stamp(scan.stamp);
   add_odometry(entry);
   ++scans_;

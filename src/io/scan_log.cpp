@@ -25,12 +25,21 @@ class ScanLogReader : public TextLogReader {
   std::string format() const override { return "scan log"; }
 
  private:
-  LogEntry parse() const {
+  LogEntry parse() {
     const json::Place place{path(), line_number(), text_};
-    const json::Json object = json::parse(place);
+    json::ScanArrays arrays;
+    const bool taken = json::take_scan_arrays(text_, arrays, rest_);
+    if (!taken) arrays = {};
+    json::Json object;
+    try {
+      object = json::parse(taken ? json::Place{path(), line_number(), rest_} : place);
+    } catch (const InputError&) {
+      json::parse(place);  // names the byte of the whole line
+      throw;
+    }
     LogEntry entry;
     entry.line = line_number();
-    entry.scan = json::scan_from(object, place);
+    entry.scan = json::scan_from(object, place, arrays);
     entry.laser = "scan";
     const auto odometry = object.find("odometry");
     if (odometry != object.end() && !odometry->is_null())
@@ -38,7 +47,7 @@ class ScanLogReader : public TextLogReader {
     return entry;
   }
 
-  std::string text_;
+  std::string text_, rest_;
 };
 
 // A scan's text over several lines (a scan JSON file made for reading) is a log of that one scan.

@@ -11,13 +11,12 @@ namespace {
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 
 BeamState classify(float raw, float range_min, float range_max) {
+  if (raw > 0.0F && raw >= range_min && raw <= range_max) return BeamState::kHit;  // most are: asked first
   if (std::isnan(raw)) return BeamState::kInvalid;
   if (raw == 0.0F) return BeamState::kNoReturn;
   if (std::isinf(raw)) return raw > 0.0F ? BeamState::kOutOfRange : BeamState::kTooNear;
   if (raw < 0.0F) return BeamState::kInvalid;
-  if (raw < range_min) return BeamState::kTooNear;
-  if (raw > range_max) return BeamState::kOutOfRange;
-  return BeamState::kHit;
+  return raw < range_min ? BeamState::kTooNear : BeamState::kOutOfRange;
 }
 
 }  // namespace
