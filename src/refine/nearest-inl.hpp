@@ -26,10 +26,21 @@ HWY_INLINE hn::Vec<DF> GatherField(DF df, const float* points, VI index, int fie
   return hn::GatherIndex(df, points, hn::Add(hn::ShiftLeft<3>(index), hn::Set(di, field)));
 }
 
-// Index of the nearest of the grid's answer and its two neighbours on either side; `found` says where there is one.
+// The nearer of points `at` and what was best so far.
+template <class DF, class VF = hn::Vec<DF>, class VI = hn::Vec<hn::RebindToSigned<DF>>>
+HWY_INLINE void TakeNearer(DF df, const float* points, VI at, VF qx, VF qy, VI& best, VF& distance2) {
+  const hn::RebindToSigned<DF> di;
+  const VF dx = hn::Sub(qx, GatherField(df, points, at, kX)), dy = hn::Sub(qy, GatherField(df, points, at, kY));
+  const VF d = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
+  best = hn::IfThenElse(hn::RebindMask(di, hn::Lt(d, distance2)), at, best);
+  distance2 = hn::Min(d, distance2);
+}
+
+// Index of the nearest of the grid's answer and its two neighbours on either side; `found` says where there is one. Each
+// of `walks` goes on from there along the surface, as long as it gets nearer: in wide places many points share a cell.
 template <class DF, class VF = hn::Vec<DF>, class VI = hn::Vec<hn::RebindToSigned<DF>>, class M = hn::Mask<DF>>
 HWY_INLINE VI FindNearest(DF df, const NearestGrid::View& grid, const float* points, int last, VF qx, VF qy, M& found,
-                          VF& distance2) {
+                          VF& distance2, int walks = 0) {
   const hn::RebindToSigned<DF> di;
   const VF zero = hn::Zero(df), top = hn::Set(df, grid.limit - 1.0F);
   const VF u = hn::Mul(hn::Add(qx, hn::Set(df, grid.offset)), hn::Set(df, grid.inverse_cell));
@@ -46,11 +57,14 @@ HWY_INLINE VI FindNearest(DF df, const NearestGrid::View& grid, const float* poi
   distance2 = hn::Set(df, 1e30F);
   for (const int step : {-2, -1, 0, 1, 2}) {
     const VI at = hn::Min(hn::Max(hn::Add(near, hn::Set(di, step)), low), high);
-    const VF dx = hn::Sub(qx, GatherField(df, points, at, kX)), dy = hn::Sub(qy, GatherField(df, points, at, kY));
-    const VF d = hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy));
-    const auto nearer = hn::Lt(d, distance2);
-    best = hn::IfThenElse(hn::RebindMask(di, nearer), at, best);
-    distance2 = hn::Min(d, distance2);
+    TakeNearer(df, points, at, qx, qy, best, distance2);
+  }
+  for (int walk = 0; walk < walks; ++walk) {
+    const VI centre = best;
+    for (const int step : {-3, -2, -1, 1, 2, 3}) {
+      const VI at = hn::Min(hn::Max(hn::Add(centre, hn::Set(di, step)), low), high);
+      TakeNearer(df, points, at, qx, qy, best, distance2);
+    }
   }
   return best;
 }

@@ -38,6 +38,7 @@ void SumEquations(LineTask& task) {
   constexpr float kModelVariance = 4e-6F;  // [m^2] surfaces are not lines, beams are not points
   const V base = hn::Set(df, kModelVariance + task.soft * task.soft), width = hn::Set(df, 4.0F);
   const bool with_leak = task.soft == 0.0F;
+  const int walks = with_leak ? 2 : 0;  // the first steps need no better partner
   V xx = hn::Zero(df), xy = xx, xt = xx, yy = xx, yt = xx, tt = xx, gx = xx, gy = xx, gt = xx;
   V lxx = xx, lxy = xx, lxt = xx, lyy = xx, lyt = xx, ltt = xx, cost = xx, partners = xx;
   const V one = hn::Set(df, 1.0F);
@@ -47,7 +48,7 @@ void SumEquations(LineTask& task) {
     const V qx = hn::Add(rx, tx), qy = hn::Add(ry, ty);
     hn::Mask<decltype(df)> found;
     V distance2;
-    const auto index = FindNearest(df, task.grid, task.points, task.last, qx, qy, found, distance2);
+    const auto index = FindNearest(df, task.grid, task.points, task.last, qx, qy, found, distance2, walks);
     if (hn::AllFalse(df, found)) continue;
     const V mx = hn::LoadU(df, task.nx + k), my = hn::LoadU(df, task.ny + k);
     const V ax = hn::Sub(hn::Mul(c, mx), hn::Mul(s, my)), ay = hn::Add(hn::Mul(s, mx), hn::Mul(c, my));

@@ -10,8 +10,10 @@ namespace {
 constexpr int kBeamsPerRestart = 64;  // the rotation recurrence is restarted so often: error below 1e-13
 constexpr double kMinFloor = 0.004;   // [m] no lidar of this kind is better than this
 constexpr int kMaxHalfWindow = 48;
-// A line is fitted this far to either side: long enough for the noise, short enough for furniture.
-constexpr double kReachShare = 0.015, kReachSigmas = 3.0;  // of the extent; of the range noise
+// A line is fitted this far to either side, short enough for furniture; where the wall runs on, up to 2^kDoublings as far.
+constexpr double kReachShare = 0.007, kReachSigmas = 1.0;  // of the extent; of the range noise
+constexpr int kDoublings = 4;
+constexpr double kStraight = 1.0;  // of the expected variance across the line: a longer line must fit this well
 constexpr double kLeastCosine = 0.1;  // a beam along a wall is not as good as its noise across it says
 
 double median_of(std::vector<float>& values) {
@@ -177,18 +179,38 @@ void find_normals(double spacing, SurfaceWorkspace& work, SurfacePoints& out) {
     point.length = static_cast<float>(2.0 * step);
     out.normal_variance[i] = 0.3F;
     if (end - begin < 3) continue;
-    LineFit best = fit_line(work.sums, std::max(begin, i - half), std::min(end, i + half + 1));
+    int from = std::max(begin, i - half), to = std::min(end, i + half + 1);
+    bool grows_back = true, grows_on = true;
+    LineFit best = fit_line(work.sums, from, to);
     const double expected = sigma * sigma;
     const double seen_at = std::max(std::abs(best.nx * px + best.ny * py) / r, 0.2);
     if (best.residual > 1.5 * expected * seen_at * seen_at) {
       // A corner, perhaps: the side on which the line fits better.
       for (const int shift : {-half, half}) {
-        const int from = std::max(begin, std::min(i, i - half + shift)),
-                  to = std::min(end, std::max(i + 1, i + half + 1 + shift));
-        if (to - from < 3) continue;
-        const LineFit side = fit_line(work.sums, from, to);
-        if (side.residual < 0.6 * best.residual) best = side;
+        const int side_from = std::max(begin, std::min(i, i - half + shift)),
+                  side_to = std::min(end, std::max(i + 1, i + half + 1 + shift));
+        if (side_to - side_from < 3) continue;
+        const LineFit side = fit_line(work.sums, side_from, side_to);
+        if (side.residual >= 0.6 * best.residual) continue;
+        best = side;
+        from = side_from;
+        to = side_to;
+        grows_back = shift < 0;
+        grows_on = shift > 0;
       }
+    }
+    // As far as the wall runs straight.
+    for (int k = 1; k <= kDoublings && best.count >= 3; ++k) {
+      const int reach_k = half << k;
+      const int longer_from = grows_back ? std::max(begin, std::min(from, i - reach_k)) : from,
+                longer_to = grows_on ? std::min(end, std::max(to, i + reach_k + 1)) : to;
+      if (longer_from == from && longer_to == to) break;
+      const LineFit longer = fit_line(work.sums, longer_from, longer_to);
+      const double cosine = std::max(std::abs(longer.nx * px + longer.ny * py) / r, 0.2);
+      if (longer.residual > kStraight * expected * cosine * cosine) break;
+      best = longer;
+      from = longer_from;
+      to = longer_to;
     }
     if (best.count < 3 || best.spread < 4.0 * best.residual || best.spread <= 0.0) continue;
     double nx = best.nx, ny = best.ny;
