@@ -10,8 +10,6 @@
 namespace phasescan {
 namespace {
 
-constexpr std::size_t kPrefixBytes = std::size_t{1} << 16;
-
 // Asked in this order: what is recognised by a magic number first, text by its words after.
 std::vector<LogFormat> log_formats() {
   return {

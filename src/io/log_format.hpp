@@ -2,6 +2,7 @@
 // table.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -10,11 +11,14 @@
 
 namespace phasescan {
 
+/// How much of a file's head is looked at to tell its format.
+inline constexpr std::size_t kPrefixBytes = std::size_t{1} << 16;
+
 /// One readable log format.
 struct LogFormat {
   std::string_view name;
-  /// Whether this is the format of a file with these first bytes (unpacked if packed; at most 64 KiB), or of the folder
-  /// `path`
+  /// Whether this is the format of a file with these first bytes (unpacked if packed; at most kPrefixBytes), or of the
+  /// folder `path`
   /// (`prefix` is empty then).
   bool (*probe)(const std::string& path, std::string_view prefix);
   /// @throws InputError, SystemError

@@ -17,7 +17,6 @@ constexpr std::size_t kBreezyBeams = 682;
 constexpr std::size_t kPolarHead = 3;
 constexpr std::size_t kFewestPolarBeams = 64;
 constexpr double kMillimetre = 1e-3;
-constexpr std::size_t kPrefixBytes = std::size_t{1} << 16;
 
 /// Adds a step of wheel odometry: forward on the arc's chord, then turned.
 Pose2 add_step(const Pose2& pose, double forward_m, double turn_rad) {

@@ -11,7 +11,7 @@ namespace {
 constexpr int kWindow = 5;            // beams to either side
 constexpr float kReach = 0.3F;        // [m] around the point
 constexpr double kLeastSigma = 0.01;  // [m]
-constexpr double kInflation = 4.0;
+constexpr double kPlainInflation = 4.0;
 
 /// Unit normal of the surface at a reference point, from the points of neighbouring beams.
 std::optional<Eigen::Vector2d> surface_normal(const ScanPoints& points, int at) {
@@ -68,7 +68,7 @@ Eigen::Matrix3d surface_covariance(const ScanPoints& reference, const ScanPoints
   }
   if (count < 3.0) return Eigen::Matrix3d::Identity() * kUnknownVariance;
   const double variance = std::max(squared / count, kLeastSigma * kLeastSigma);
-  return covariance_from_information(information / (kInflation * variance));
+  return covariance_from_information(information / (kPlainInflation * variance));
 }
 
 }  // namespace phasescan
