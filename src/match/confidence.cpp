@@ -14,6 +14,7 @@ constexpr double kMostVariance = 1e6;
 // The information counts every matched beam at its kernel's weight and so understates what the rest says; set so that
 // 95 % of simulated errors fall within the 95 % region.
 constexpr double kInflation = 0.78;
+constexpr double kSlideVariance = 100.0;  // [m^2] where it does: as far as such a sensor sees
 constexpr double kSlides_m = 0.05;  // less certain than this along some direction: a corridor, where the pose may slide
 
 }  // namespace
@@ -34,8 +35,10 @@ bool is_ambiguous(const SearchOutcome& outcome) {
 
 Eigen::Matrix3d covariance_of(const SearchOutcome& outcome) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(outcome.refined.information);
-  const Eigen::Vector3d variances =
+  Eigen::Vector3d variances =
       (kInflation * eigen.eigenvalues().cwiseMax(1.0 / kMostVariance).cwiseInverse()).cwiseMin(kMostVariance);
+  // Where the pose may slide, what seems to hold it is noise of the normals.
+  if (weakest_sigma(outcome.refined.information) > kSlides_m) variances(0) = std::max(variances(0), kSlideVariance);
   return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
 }
 

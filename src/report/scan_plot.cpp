@@ -89,15 +89,18 @@ std::string scan_pair_svg(const Scan& reference, const Scan& scan, const MatchRe
     figure.charts.push_back(std::move(chart));
   };
   add(guess, "Before", truth ? error_text(guess, *truth) : pose_text(guess));
-  std::string verdict = result.usable ? "usable" : "not usable: " + std::string(to_string(result.status));
-  if (result.confidence) verdict += fmt::format(", confidence {:.3f}", *result.confidence);
-  add(result.T_ref_scan, "After: " + verdict,
-      pose_text(result.T_ref_scan) + (truth ? " (" + error_text(result.T_ref_scan, *truth) + ")" : ""));
+  const auto note = [&](const Pose2& pose, const std::optional<double>& confidence) {
+    const std::string where = truth ? error_text(pose, *truth) : pose_text(pose);
+    return confidence ? fmt::format("confidence {:.3f}; {}", *confidence, where) : where;
+  };
+  add(result.T_ref_scan,
+      result.usable ? "After: usable" : "After: not usable, " + std::string(to_string(result.status)),
+      note(result.T_ref_scan, result.confidence));
   for (std::size_t i = 0; i < std::min<std::size_t>(2, result.alternatives.size()); ++i) {
     const MatchAlternative& other = result.alternatives[i];
-    add(other.T_ref_scan, fmt::format("Alternative {}: confidence {:.3f}", i + 1, other.confidence),
-        pose_text(other.T_ref_scan) + (truth ? " (" + error_text(other.T_ref_scan, *truth) + ")" : ""));
+    add(other.T_ref_scan, fmt::format("Alternative {}", i + 1), note(other.T_ref_scan, other.confidence));
   }
+  figure.columns = figure.charts.size() == 3 ? 3 : 2;
   return figure.svg();
 }
 

@@ -8,6 +8,7 @@
 #include <new>
 
 #include "match/image_stages.hpp"
+#include "phasescan/match/multi_hypothesis.hpp"
 #include "phasescan/match/scan_matcher.hpp"
 #include "support/rooms.hpp"
 
@@ -109,10 +110,34 @@ TEST(Allocation, TheImageStagesAllocateNothingAfterTheirFirstUse) {
   }
 }
 
+TEST(Allocation, TheSearchOfFftMhAllocatesNothingAfterItsFirstUse) {
+  const Scan a = test::cast_room({}, 360, 0.01, 0.1), b = test::cast_room({0.3, 0.1, 1.0}, 360, 0.01, 0.1, 2);
+  for (const RotationSearch rotations : {RotationSearch::kAutomatic, RotationSearch::kSweep, RotationSearch::kNormals,
+                                         RotationSearch::kSpectrum, RotationSearch::kMissing}) {
+    MhOptions options;
+    options.rotations = rotations;
+    MultiHypothesisSearch search(options);
+    PrepareWorkspace work;
+    PreparedScan reference, scan;
+    SearchOutcome outcome;
+    const auto run = [&](const Scan& of_ref, const Scan& of_scan) {
+      const long before = allocations;
+      prepare_scan(of_ref, {}, search.prepare_options(true), work, reference);
+      prepare_scan(of_scan, {}, search.prepare_options(false), work, scan);
+      search.run(reference, scan, {}, outcome);
+      return allocations - before;
+    };
+    EXPECT_GT(run(a, b), 0) << "the counter counts";
+    run(b, a);
+    EXPECT_EQ(run(a, b), 0) << to_string(rotations);
+    EXPECT_EQ(run(b, a), 0) << to_string(rotations);
+  }
+}
+
 TEST(Allocation, NoMethodMakesMemoryGrow) {
   const Scan a = test::cast_room({}, 360, 0.01), b = test::cast_room({0.3, 0.1, 1.0}, 360, 0.01, 0.0, 2);
-  for (const MatchMethod method :
-       {MatchMethod::kIcp, MatchMethod::kNdt, MatchMethod::kFft, MatchMethod::kFftIcp1, MatchMethod::kFftIcp2}) {
+  for (const MatchMethod method : {MatchMethod::kIcp, MatchMethod::kNdt, MatchMethod::kFft, MatchMethod::kFftIcp1,
+                                   MatchMethod::kFftIcp2, MatchMethod::kFftMh}) {
     MatchOptions options;
     options.match.method = method;
     ScanMatcher matcher(options);

@@ -15,8 +15,8 @@ namespace phasescan {
 Chart scan_pair_chart(const Scan& reference, const Scan& scan, const Pose2& T_ref_scan, const std::string& title);
 
 /// The whole figure: the pair as it came (at `guess`, identity without one), at the pose found, and at up to two
-/// alternatives. Under each panel stands its pose; with `truth` also the error. Works for empty scans and answers that
-/// are not usable.
+/// alternatives. Under each panel's title stand confidence and pose, or, with `truth`, the error. Works for empty scans
+/// and answers that are not usable.
 std::string scan_pair_svg(const Scan& reference, const Scan& scan, const MatchResult& result,
                           const std::optional<Pose2>& truth = {}, const Pose2& guess = {},
                           const std::string& title = {});
