@@ -7,7 +7,14 @@ namespace phasescan {
 namespace {
 
 constexpr std::size_t kRing = 31;
+constexpr double kMostJitter = 0.3;  // of a period: median distance of the steps from their median
 constexpr double kGapPeriods = 15.0, kGapSeconds = 2.0;
+
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 }  // namespace
 
@@ -25,7 +32,8 @@ ScanTiming ScanClock::add(const Scan& scan) {
           timing.gap = true;
           ++counts_.gaps;
         }
-        timing.periods = std::clamp(std::round(step / period_s_), 1.0, 3.0);
+        // Stamps that jitter by much of a period tell when messages were written, not when scans were taken.
+        if (jitter_s_ < kMostJitter * period_s_) timing.periods = std::clamp(std::round(step / period_s_), 1.0, 3.0);
       }
       if (steps_s_.size() < kRing) {
         steps_s_.push_back(step);
@@ -33,9 +41,10 @@ ScanTiming ScanClock::add(const Scan& scan) {
         steps_s_[next_] = step;
       }
       next_ = (next_ + 1) % kRing;
-      std::vector<double> sorted = steps_s_;
-      std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-      period_s_ = sorted[sorted.size() / 2];
+      std::vector<double> steps = steps_s_;
+      period_s_ = median_of(steps);
+      for (double& s : steps) s = std::abs(s - period_s_);
+      jitter_s_ = median_of(steps);
     }
   }
   last_ = scan.stamp;
