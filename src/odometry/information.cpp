@@ -1,6 +1,7 @@
 #include "phasescan/odometry/information.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <cmath>
 
 namespace phasescan {
@@ -14,6 +15,12 @@ Eigen::Matrix3d rotate_information(const Eigen::Matrix3d& matrix, double theta) 
 Eigen::Matrix3d positive_part(const Eigen::Matrix3d& matrix) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(matrix);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+double largest_deviation(const Eigen::Matrix3d& information) {
+  const Eigen::Matrix2d covariance = information.inverse().topLeftCorner<2, 2>();
+  const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
+  return std::sqrt(0.5 * covariance.trace() + std::hypot(half, covariance(0, 1)));
 }
 
 }  // namespace phasescan

@@ -105,8 +105,11 @@ Pose2 Odometry::hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::
   const Pose2 off = moved.inverse() * wheel_step;
   const Eigen::Vector3d d(off.x, off.y, off.theta);
   const Eigen::Matrix3d spread = known.inverse() + Eigen::Matrix3d(variance.asDiagonal());
-  if (d.dot(spread.inverse() * d) > kContradiction) return moved;
-  const Eigen::Matrix3d wheels = variance.cwiseInverse().asDiagonal();
+  const double contradiction = d.dot(spread.inverse() * d);
+  if (contradiction > kContradiction) return moved;
+  // The more they differ from what was seen, the less they are heard: wheels lie by kind, not by chance.
+  const double heard = 1.0 / ((1.0 + contradiction) * (1.0 + contradiction));
+  const Eigen::Matrix3d wheels = (heard * variance.cwiseInverse()).asDiagonal();
   const Eigen::Matrix3d sum = known + wheels;
   const Eigen::Vector3d shift = sum.inverse() * (wheels * d);
   known = sum;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "edge_information.hpp"
+#include "phasescan/odometry/information.hpp"
 #include "phasescan/odometry/registration.hpp"
 
 namespace phasescan {
@@ -15,6 +16,8 @@ constexpr int kNodesPerOptimize = 60;
 constexpr int kShownKeyframes = 2, kMostKeyframes = 8;
 constexpr double kShownM = 0.8, kShownRad = 0.6, kShownOverlap = 0.7;
 constexpr std::size_t kSurroundings = 16;
+// Doubt of a step beyond the usual counts as so much way.
+constexpr double kSmallDoubtM = 0.05, kWayPerDoubt = 100.0;
 constexpr int kFinalRounds = 2;
 
 }  // namespace
@@ -59,6 +62,8 @@ void Backend::add_keyframe(Keyframe keyframe) {
     edge.information = Eigen::Vector3d(0.1, 0.1, 0.1).asDiagonal();
   } else {
     edge.information = edge_information(keyframe.information, 1.0, 0.5);
+    // What was driven unseen along a corridor may be off by all that the edge leaves open: errors of one kind add up.
+    since_loop_m_ += kWayPerDoubt * std::max(0.0, largest_deviation(edge.information) - kSmallDoubtM);
   }
   graph_.add_edge(edge);
   keyframes_.push_back(std::move(keyframe));

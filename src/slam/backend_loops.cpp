@@ -23,9 +23,7 @@ constexpr double kSlideGain = 0.01;  // of the score, for a slide to be worth it
 
 /// Whether a match holds the pose in every direction to a decimetre: in a bare corridor it does not.
 bool sees_both_ways(const Eigen::Matrix3d& information) {
-  const Eigen::Matrix2d covariance = information.inverse().topLeftCorner<2, 2>();
-  const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
-  return 0.5 * covariance.trace() + std::hypot(half, covariance(0, 1)) < 0.1 * 0.1;
+  return largest_deviation(information) < 0.1;
 }
 
 /// In a corridor a match stays where it was begun: looks along the direction it cannot see for a place where more fits.

@@ -14,4 +14,7 @@ Eigen::Matrix3d rotate_information(const Eigen::Matrix3d& matrix, double theta);
 /// A symmetric matrix with its negative eigenvalues set to 0.
 Eigen::Matrix3d positive_part(const Eigen::Matrix3d& matrix);
 
+/// Standard deviation of the position in the direction that is known least [m].
+double largest_deviation(const Eigen::Matrix3d& information);
+
 }  // namespace phasescan
