@@ -64,6 +64,7 @@ void feed(LogReader& reader, Slam& slam, InputCheck& check, const SlamFlags& fla
       overlap = static_cast<float>(step.overlap);
       run.tracked += step.tracked;
       run.searched += step.searched;
+      run.caught += step.caught;
       run.new_segments += step.new_segment;
       run.usable += entry->scan.hit_count() > 0;
     } else {

@@ -55,6 +55,7 @@ Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& 
           {"scans_usable", run.usable},
           {"scans_tracked", run.tracked},
           {"wide_searches", run.searched},
+          {"full_searches_used", run.caught},
           {"keyframes", slam.backend().keyframes().size()},
           {"loops",
            {{"compared", loops.compared},

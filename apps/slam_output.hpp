@@ -20,7 +20,7 @@ struct SlamRun {
   std::vector<float> cpu_ms;  ///< tracker's thread, per scan
   std::vector<float> wall_ms;
   std::vector<float> overlap;
-  std::size_t tracked = 0, searched = 0, new_segments = 0, usable = 0;
+  std::size_t tracked = 0, searched = 0, caught = 0, new_segments = 0, usable = 0;
   double total_cpu_s = 0.0, total_wall_s = 0.0;
   std::map<std::string, std::size_t> damages;  ///< of the reader, by kind
   const InputCheck* check = nullptr;

@@ -13,11 +13,8 @@ namespace {
 
 constexpr std::size_t kProbePoints = 64;  // points of the quick look that chooses among predictions
 constexpr double kStillM = 0.006, kStillRad = 0.003;
-constexpr double kMinUsualShare = 0.75;    // a prediction that explains less than this of what is usual is widened
-constexpr std::size_t kFinalPoints = 150;  // points that judge a finished match
-constexpr double kMinFinalShare = 0.85;    // a match that explains less than this of what is usual is doubted
-constexpr double kClearlyBetter = 0.04;    // by so much of its score another pose must be better to be taken instead
-constexpr double kSlow = 0.95;             // weight of the past in what is usual
+constexpr double kMinUsualShare = 0.75;  // a prediction that explains less than this of what is usual is widened
+constexpr double kSlow = 0.95;           // weight of the past in what is usual
 constexpr std::size_t kMinPoints = 12;
 constexpr double kLeastTrust = 0.6;  // wheels that agreed less often lately are not heard
 constexpr double kContradiction =
@@ -28,6 +25,11 @@ const Eigen::Vector3d kUnknownStep(0.05 * 0.05, 0.05 * 0.05, 0.1 * 0.1);
 Pose2 scaled(const Pose2& step, double factor) {
   const Twist2 t = log_pose(step);
   return exp_twist({t.vx * factor, t.vy * factor, t.omega * factor});
+}
+
+/// The middle of a scan's turn after its stamp [s].
+double middle_s(const Scan& scan, double duration_s) {
+  return scan.time_increment < 0.0 ? -0.5 * duration_s : 0.5 * duration_s;
 }
 
 /// What a match with that information, in the frame of the new base, leaves open of a step's (x, y), in that of the
@@ -47,9 +49,8 @@ void Odometry::extract(const Scan& scan, const LaserMount& mount, const Twist2& 
   const Twist2 used = options_.deskew && duration_s > 0.0 ? twist : Twist2{};
   find_surface(scan, mount.laser_twist(used), surface_work_, surface_);
   // The points are expressed at the stamp; the middle of the turn is where the twist's error matters least.
-  const double to_mid_s = scan.time_increment < 0.0 ? -0.5 * duration_s : 0.5 * duration_s;
   LaserMount at_mid = mount;
-  at_mid.T_base_laser = exp_twist(used, to_mid_s).inverse() * mount.T_base_laser;
+  at_mid.T_base_laser = exp_twist(used, middle_s(scan, duration_s)).inverse() * mount.T_base_laser;
   points_ = std::make_shared<MapPoints>();
   to_map_points(surface_, at_mid, options_.map_range_m, *points_);
 }
@@ -127,30 +128,6 @@ Eigen::Matrix3d Odometry::grow_information(const Eigen::Matrix3d& matched, const
   return since_keyframe_.inverse();
 }
 
-Registration Odometry::match(const Pose2& guess, const PosePrior& prior, OdometryStep& step) {
-  Registration found = register_points(map_, *points_, guess, {}, prior);
-  const std::size_t stride = std::max<std::size_t>(1, points_->size() / kFinalPoints);
-  double score = pose_score(map_, *points_, found.T_map_base, stride);
-  if (found.overlap < options_.min_overlap || score < kMinFinalShare * usual_final_) {
-    // Not as well as scans usually lie on the map: look around for a pose that explains this one better.
-    step.searched = true;
-    for (const LatticeSearch& lattice : {LatticeSearch{0.3, 0.15, 0.72, 0.08, 70}, LatticeSearch{}}) {
-      const Pose2 wide = search_lattice(map_, *points_, found.T_map_base, lattice);
-      PosePrior moved_prior = prior;
-      moved_prior.T_map_base.theta = wide.theta;
-      const Registration again = register_points(map_, *points_, wide, {}, moved_prior);
-      const double again_score = pose_score(map_, *points_, again.T_map_base, stride);
-      if (again_score > score + kClearlyBetter) {
-        found = again;
-        score = again_score;
-      }
-      if (found.overlap >= options_.min_overlap) break;
-    }
-  }
-  if (found.overlap >= options_.min_overlap) usual_final_ = kSlow * usual_final_ + (1.0 - kSlow) * score;
-  return found;
-}
-
 OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& wheel) {
   OdometryStep step;
   const ScanTiming timing = clock_.add(scan);
@@ -166,6 +143,8 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
       step.tracked = true;
       step.overlap = 1.0;
       insert_keyframe(step);
+      net_.remember(scan, mount, T_odom_mid_, {});
+      if (options_.deskew && timing.duration_s > 0.0) first_ = First{scan, mount, timing.duration_s, points_};
     } else {
       started_ = false;
     }
@@ -178,12 +157,14 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step_covariance_ = 100.0 * kUnknownStep.asDiagonal();
   }
   const Pose2 predicted = predict(wheel_step, timing.periods, &score);
-  const PosePrior prior = make_prior(predicted, timing.periods);
-  const Pose2 T_map_odom = map_.T_world_map().inverse();
+  PosePrior prior = make_prior(predicted, timing.periods);
+  Pose2 T_map_odom = map_.T_world_map().inverse();
   Registration found;
   found.T_map_base = T_map_odom * T_odom_mid_ * predicted;
   if (points_->with_normal >= kMinPoints) {
-    found = match(found.T_map_base, prior, step);
+    // Where the scan's points are expressed, seen from its stamp.
+    const Pose2 T_stamp_mid = exp_twist(options_.deskew ? twist : Twist2{}, middle_s(scan, timing.duration_s));
+    found = match(scan, mount, T_stamp_mid, found.T_map_base, prior, step);
     if (options_.deskew && timing.duration_s > 0.0 && seconds > 0.0) {
       // The motion found says how the scan was bent: once more, unbent.
       const Twist2 better = log_pose((T_map_odom * T_odom_mid_).inverse() * found.T_map_base);
@@ -195,8 +176,15 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
         again.gate_start_m = 0.15;
         found = register_points(map_, *points_, found.T_map_base, again, prior);
       }
+      if (first_ && found.overlap >= options_.min_overlap) {
+        const Twist2 t = log_pose((T_map_odom * T_odom_mid_).inverse() * found.T_map_base);
+        unbend_first({t.vx / seconds, t.vy / seconds, t.omega / seconds}, step);
+        T_map_odom = map_.T_world_map().inverse();
+        found = register_points(map_, *points_, found.T_map_base, {}, prior);
+      }
     }
   }
+  first_.reset();
   step.overlap = found.overlap;
   step.residual_m = found.residual_m;
   step.tracked = found.overlap >= options_.min_overlap;
@@ -241,6 +229,8 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step.T_odom_stamp = T_odom_mid_;
   }
 
+  if (step.tracked) net_.remember(scan, mount, step.T_odom_stamp, twist_);
+
   const bool enough = points_->with_normal >= kMinPoints;
   if (!step.tracked && enough && untracked_ >= options_.lost_after_scans) {
     step.new_segment = true;
@@ -284,6 +274,18 @@ void Odometry::insert_keyframe(OdometryStep& step) {
   since_keyframe_.setZero();
   window_.push_back({points_, T_odom_mid_});
   while (window_.size() > static_cast<std::size_t>(options_.window_keyframes)) window_.pop_front();
+  rebuild_map();
+}
+
+void Odometry::unbend_first(const Twist2& twist, OdometryStep& step) {
+  // The first scan stands with its stamp at the origin, as all others stand with theirs.
+  const std::shared_ptr<MapPoints> last = points_;
+  extract(first_->scan, first_->mount, twist, first_->duration_s);
+  *first_->points = *points_;
+  points_ = last;
+  T_odom_mid_ = exp_twist(twist, middle_s(first_->scan, first_->duration_s));
+  window_.front().T_odom_base = T_odom_mid_;
+  step.T_odom_first = T_odom_mid_;
   rebuild_map();
 }
 

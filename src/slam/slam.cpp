@@ -30,6 +30,19 @@ Slam::~Slam() {
 
 OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& odometry) {
   const OdometryStep step = odometry_.add(scan, mount, odometry);
+  if (step.T_odom_first && !batch_.empty()) {
+    Keyframe& first = batch_.front();
+    first.T_mid_stamp = step.T_odom_first->inverse() * (first.T_odom_base * first.T_mid_stamp);
+    first.T_odom_base = *step.T_odom_first;
+    const Pose2 T_keyframe_stamp = step.T_odom_first->inverse();
+    for (ScanRecord& r : records_) {
+      if (r.keyframe < 0) continue;
+      r.x = static_cast<float>(T_keyframe_stamp.x);
+      r.y = static_cast<float>(T_keyframe_stamp.y);
+      r.theta = static_cast<float>(T_keyframe_stamp.theta);
+    }
+    T_odom_keyframe_ = *step.T_odom_first;
+  }
   if (step.is_keyframe) {
     Keyframe keyframe;
     keyframe.points = odometry_.last_points();
@@ -53,7 +66,8 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
   records_.push_back({scan.stamp, keyframes_ - 1, static_cast<float>(relative.x), static_cast<float>(relative.y),
                       static_cast<float>(relative.theta)});
   if (!options_.slam.bounded_memory && (step.is_keyframe || options_.slam.polish)) store_.add(scan, mount);
-  if (batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
+  // The first keyframe waits for the second scan, which may still unbend it.
+  if (records_.size() > 1 && batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
   return step;
 }
 

@@ -63,7 +63,7 @@ TEST(Odometry, DeskewsATurningLidarAndTheSwitchTurnsItOff) {
   ToyLidar lidar;
   lidar.turn_s = kPeriod;
   const Drive with = drive({}, lidar, {}, 0.5, 1.5, kNoWheels);
-  EXPECT_LT(with.worst_m, 0.1);
+  EXPECT_LT(with.worst_m, 0.06);
   OdometryOptions off;
   off.deskew = false;
   const Drive without = drive(off, lidar, {}, 0.5, 1.5, kNoWheels);

@@ -12,6 +12,7 @@
 #include "phasescan/odometry/map_points.hpp"
 #include "phasescan/odometry/options.hpp"
 #include "phasescan/odometry/registration.hpp"
+#include "phasescan/odometry/safety_net.hpp"
 #include "phasescan/odometry/scan_clock.hpp"
 #include "phasescan/odometry/wheel_witness.hpp"
 #include "phasescan/scan/scan.hpp"
@@ -27,12 +28,15 @@ struct OdometryStep {
   bool tracked = false;  ///< false: no match was found, the pose is a prediction
   bool is_keyframe = false;
   bool searched = false;     ///< the wide search was needed
+  bool caught = false;       ///< it was the full search (fft-mh) against the last good scan that found the pose
   bool new_segment = false;  ///< the local map was begun anew: nothing ties this pose to those before but a prediction
   double overlap = 0.0;      ///< share of hits on the local map's surfaces
   double residual_m = 0.0;
   Eigen::Matrix3d information =
       Eigen::Matrix3d::Zero();  ///< of the pose relative to the last keyframe, frame of the base
   WheelVerdict wheels = WheelVerdict::kNone;
+  /// With the second scan the motion during the first is known: its keyframe stands here, and its points were unbent.
+  std::optional<Pose2> T_odom_first;
 };
 
 /// Tracks a robot through its scans. Deterministic; bounded work and memory per scan.
@@ -59,22 +63,35 @@ class Odometry {
   PosePrior make_prior(const Pose2& start, double periods) const;
   Pose2 hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const;
   Eigen::Matrix3d grow_information(const Eigen::Matrix3d& matched, const Eigen::Matrix3d& known, const Pose2& moved);
-  Registration match(const Pose2& guess, const PosePrior& prior, OdometryStep& step);
+  Registration match(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, const Pose2& guess,
+                     PosePrior& prior, OdometryStep& step);
+  void look_around(const PosePrior& prior, Registration& found, double& score) const;
+  void catch_fall(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, PosePrior& prior,
+                  Registration& found, double& score, OdometryStep& step);
   void insert_keyframe(OdometryStep& step);
   void rebuild_map();
+  void unbend_first(const Twist2& twist, OdometryStep& step);
   void hold_still(OdometryStep& step);
 
   OdometryOptions options_;
   WheelWitness wheels_;
   ScanClock clock_;
+  SafetyNet net_;
   SurfaceWorkspace surface_work_;
   SurfacePoints surface_;
   std::shared_ptr<MapPoints> points_;
   LocalMap map_;
   std::deque<WindowFrame> window_;
   bool started_ = false;
-  Pose2 T_odom_mid_;  // of the last scan
-  Pose2 step_;        // motion per period, base frame, as last found
+  struct First {
+    Scan scan;
+    LaserMount mount;
+    double duration_s = 0.0;
+    std::shared_ptr<MapPoints> points;
+  };
+  std::optional<First> first_;  // until the second scan has come
+  Pose2 T_odom_mid_;            // of the last scan
+  Pose2 step_;                  // motion per period, base frame, as last found
   Eigen::Matrix3d step_covariance_ = Eigen::Vector3d(0.0025, 0.0025, 0.01).asDiagonal();
   Eigen::Matrix3d since_keyframe_ = Eigen::Matrix3d::Zero();  // covariance of the pose relative to the last keyframe
   Twist2 twist_;

@@ -1,0 +1,39 @@
+/// The full search as the tracker's safety net: one scan against the last good one, with no guess.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/match/scan_matcher.hpp"
+#include "phasescan/odometry/map_points.hpp"
+#include "phasescan/scan/scan.hpp"
+
+namespace phasescan {
+
+/// Remembers the last scan whose pose is trusted and finds the next one from it, however far the robot turned
+/// meanwhile.
+class SafetyNet {
+ public:
+  struct Catch {
+    Pose2 T_odom_base;           ///< at the scan's stamp
+    Eigen::Matrix3d covariance;  ///< of (x, y, theta) in the frame of the remembered base
+  };
+
+  /// @param twist  of the base during the scan
+  void remember(const Scan& scan, const LaserMount& mount, const Pose2& T_odom_stamp, const Twist2& twist);
+  void forget() { scan_.reset(); }
+
+  /// The pose of a scan by a global match (fft-mh); empty where the match itself says that it cannot be trusted.
+  /// @cost one match, about 0.25 ms
+  std::optional<Catch> find(const Scan& scan, const LaserMount& mount);
+
+ private:
+  ScanMatcher matcher_;
+  std::optional<Scan> scan_;
+  LaserMount mount_;
+  Pose2 T_odom_stamp_;
+  Twist2 twist_;
+};
+
+}  // namespace phasescan

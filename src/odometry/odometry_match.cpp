@@ -1,0 +1,73 @@
+// The part of the tracker that finds a scan's pose: near the prediction, around it, and by the full search.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "phasescan/odometry/information.hpp"
+#include "phasescan/odometry/odometry.hpp"
+
+namespace phasescan {
+namespace {
+
+constexpr std::size_t kFinalPoints = 150;  // points that judge a finished match
+constexpr double kMinFinalShare = 0.85;    // a match that explains less than this of what is usual is doubted
+constexpr double kFallShare = 0.7;         // one that explains less than this even after a look around asks for help
+constexpr double kClearlyBetter = 0.04;    // by so much of its score another pose must be better to be taken instead
+constexpr double kSlow = 0.95;             // weight of the past in what is usual
+
+std::size_t judging_stride(const MapPoints& points) {
+  return std::max<std::size_t>(1, points.size() / kFinalPoints);
+}
+
+}  // namespace
+
+Registration Odometry::match(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, const Pose2& guess,
+                             PosePrior& prior, OdometryStep& step) {
+  Registration found = register_points(map_, *points_, guess, {}, prior);
+  double score = pose_score(map_, *points_, found.T_map_base, judging_stride(*points_));
+  if (found.overlap < options_.min_overlap || score < kMinFinalShare * usual_final_) {
+    step.searched = true;
+    look_around(prior, found, score);
+    if (found.overlap < options_.min_overlap || score < kFallShare * usual_final_)
+      catch_fall(scan, mount, T_stamp_mid, prior, found, score, step);
+  }
+  if (found.overlap >= options_.min_overlap) usual_final_ = kSlow * usual_final_ + (1.0 - kSlow) * score;
+  return found;
+}
+
+void Odometry::look_around(const PosePrior& prior, Registration& found, double& score) const {
+  // Not as well as scans usually lie on the map: is there a pose nearby that explains this one better?
+  for (const LatticeSearch& lattice : {LatticeSearch{0.3, 0.15, 0.72, 0.08, 70}, LatticeSearch{}}) {
+    const Pose2 wide = search_lattice(map_, *points_, found.T_map_base, lattice);
+    PosePrior moved_prior = prior;
+    moved_prior.T_map_base.theta = wide.theta;
+    const Registration again = register_points(map_, *points_, wide, {}, moved_prior);
+    const double again_score = pose_score(map_, *points_, again.T_map_base, judging_stride(*points_));
+    if (again_score > score + kClearlyBetter) {
+      found = again;
+      score = again_score;
+    }
+    if (found.overlap >= options_.min_overlap) break;
+  }
+}
+
+void Odometry::catch_fall(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, PosePrior& prior,
+                          Registration& found, double& score, OdometryStep& step) {
+  const std::optional<SafetyNet::Catch> caught = net_.find(scan, mount);
+  if (!caught) return;
+  // The match knows more of the pose now than the motion model does.
+  PosePrior by_match;
+  by_match.T_map_base = map_.T_world_map().inverse() * (caught->T_odom_base * T_stamp_mid);
+  const double heading = by_match.T_map_base.theta - T_stamp_mid.theta;
+  by_match.information = rotate_information(caught->covariance.inverse() / kMatchTrust, heading);
+  if (!by_match.information.allFinite()) return;
+  const Registration again = register_points(map_, *points_, by_match.T_map_base, {}, by_match);
+  const double again_score = pose_score(map_, *points_, again.T_map_base, judging_stride(*points_));
+  if (again_score < score + kClearlyBetter && !(found.overlap < options_.min_overlap && again_score >= score)) return;
+  found = again;
+  score = again_score;
+  prior = by_match;
+  step.caught = true;
+}
+
+}  // namespace phasescan
