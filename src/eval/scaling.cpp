@@ -138,12 +138,21 @@ std::string scaling_svg(const std::vector<ScalingCurve>& curves) {
   Figure figure;
   figure.title = "CPU time of a match";
   figure.cell_width = 420.0;
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (const ScalingCurve& curve : curves) {
+    for (const ScalingPoint& p : curve.points) {
+      least = std::min(least, p.p50_ms);
+      most = std::max(most, p.p99_ms);
+    }
+  }
   for (const ScalingAxis axis : {ScalingAxis::kBeams, ScalingAxis::kRange}) {
     Chart chart;
     chart.title = axis == ScalingAxis::kBeams ? "against the number of beams" : "against the size of the place";
     chart.x.label = axis_label(axis);
     chart.y.label = "ms";
     chart.x.log = chart.y.log = true;
+    chart.y.min = 0.5 * least;
+    chart.y.max = 2.0 * most;
     std::size_t m = 0;
     for (const ScalingCurve& curve : curves) {
       if (curve.axis != axis) continue;
@@ -161,7 +170,8 @@ std::string scaling_svg(const std::vector<ScalingCurve>& curves) {
       tail.dash = "2 3";
       ++m;
       if (axis == ScalingAxis::kBeams && m == 1 && !curve.points.empty()) {
-        const double from = median.x.front(), to = median.x.back();
+        const double from = std::max(median.x.front(), median.x.back() * 0.6 * least / median.y.back()),
+                     to = median.x.back();
         Series linear{SeriesKind::kLine, "linear", {from, to}, {median.y.back() * from / to, median.y.back()}};
         linear.color = std::string(palette::kGrey);
         linear.dash = "4 3";
