@@ -1,6 +1,7 @@
 // `phasescan bench` from outside: what it writes, what it refuses, the same bytes for any number of threads.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -42,6 +43,54 @@ TEST(BenchCommand, SimulatedPairsGiveTablesAndFiguresWithTheSameBytesForAnyThrea
   EXPECT_EQ(json.at("rows").size(), 5u * 4u * 3u);
   EXPECT_TRUE(json.at("options").contains("fft-mh"));
   EXPECT_FALSE(json.at("rows").at(0).contains("ms"));
+}
+
+TEST(BenchCommand, VariantsAreColumnsAndAWrongOneIsNamed) {
+  const TempFolder folder;
+  const CommandResult result = run_command(
+      {"bench", "--sim", "bench-sim", "--count", "10", "--method", "fft-mh", "--variant", "no twins: mh.twins=false",
+       "--variant", "blind: mh.free_space=false, mh.missing_data=false", "--out", folder / "out"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const auto json = nlohmann::json::parse(slurp(folder / "out/results.json"));
+  EXPECT_EQ(json.at("options").at("no twins").at("mh").at("twins"), false);
+  EXPECT_EQ(json.at("options").at("blind").at("mh").at("twins"), true);
+  EXPECT_EQ(json.at("totals").back().at("method"), "blind");
+  EXPECT_TRUE(json.at("rows").at(0).at("weak").contains("across_below_0_1_m"));
+  const CommandResult wrong =
+      run_command({"bench", "--sim", "bench-sim", "--variant", "x: mh.twin=false", "--out", folder / "none"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.err.find("no option mh.twin"), std::string::npos) << wrong.err;
+}
+
+TEST(BenchCommand, ScalingWritesItsFigureAndPrintsTheExponents) {
+  const TempFolder folder;
+  const CommandResult result =
+      run_command({"bench", "scaling", "--count", "3", "--repeat", "1", "--out", folder / "out"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("time against beams"), std::string::npos);
+  EXPECT_NE(result.out.find("time against range"), std::string::npos);
+  EXPECT_EQ(slurp(folder / "out/scaling.md"), result.out);
+  EXPECT_EQ(xml_error(slurp(folder / "out/scaling.svg")), "");
+  EXPECT_EQ(run_command({"bench", "scaling"}).code, 2);
+}
+
+TEST(BenchCommand, TheConfidenceIsFittedOnWhatFeaturesWrites) {
+  if (std::system("/usr/bin/python3 -c 'import numpy' 2>/dev/null") != 0) GTEST_SKIP() << "no python3-numpy";
+  const TempFolder folder;
+  for (const char* seed : {"1", "2"}) {
+    const CommandResult result =
+        run_command({"bench", "--sim", "bench-honesty", "--count", "300", "--seed", seed, "--method", "fft-mh",
+                     "--features", folder / (std::string(seed) + ".csv"), "--out", folder / "out"});
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+  const std::string command = "/usr/bin/python3 " PHASESCAN_SOURCE_DIR "/tools/fit_confidence.py --sim " +
+                              (folder / "1.csv") + " --real " + (folder / "2.csv") + " --out " +
+                              (folder / "left-out.md") + " > " + (folder / "printed");
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_NE(slurp(folder / "printed").find("kCoefficients{"), std::string::npos);
+  const std::string tables = slurp(folder / "left-out.md");
+  EXPECT_NE(tables.find("| sim-room | "), std::string::npos);
+  EXPECT_EQ(tables.find("nan"), std::string::npos) << tables;
 }
 
 TEST(BenchCommand, UnknownClassesAreReportedAsTheyCome) {
