@@ -13,7 +13,7 @@ constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{
 constexpr double kMostVariance = 1e6;
 // The information counts every matched beam at its kernel's weight and so understates what the rest says; set so that
 // 95 % of simulated errors fall within the 95 % region.
-constexpr double kInflation = 0.78;
+constexpr double kInflation = 0.66;
 constexpr double kSlideVariance = 100.0;  // [m^2] where it does: as far as such a sensor sees
 constexpr double kSlides_m = 0.05;  // less certain than this along some direction: a corridor, where the pose may slide
 

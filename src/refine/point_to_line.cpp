@@ -5,22 +5,32 @@
 #include <cmath>
 
 namespace phasescan {
+namespace {
+
+constexpr double kKeepShare = 0.1, kKeepTurn_rad = 0.003;  // of the gate; partners are kept so far
+
+}  // namespace
 
 PointToLineResult refine_point_to_line(const SurfaceModel& reference, const SurfaceModel& scan, const Pose2& guess,
                                        const PointToLineOptions& options, const SurfaceBatch& of_scan,
                                        const SurfaceBatch* of_ref) {
   PointToLineResult result;
   result.T_ref_scan = guess;
-  double gate = options.gate_start_m;
+  double gate = options.gate_start_m, moved_m = 0.0, turned_rad = 0.0;
   NormalEquations equations;
+  thread_local Partners in_reference, in_scan;
+  in_reference.known = in_scan.known = false;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     const bool last_gate = gate <= options.gate_end_m;
     const PartnerGate partner_gate{gate, last_gate ? 0.0 : 0.15 * gate, options.min_normal_cosine};
-    equations = point_to_line_equations(reference, of_scan, result.T_ref_scan, partner_gate);
+    equations = 
+        point_to_line_equations(reference, of_scan, result.T_ref_scan, partner_gate, last_gate ? &in_reference : nullptr);
     result.partners = equations.partners;
     if (of_ref != nullptr) {
       const NormalEquations back = about_inverse(
-          point_to_line_equations(scan, *of_ref, result.T_ref_scan.inverse(), partner_gate), result.T_ref_scan);
+          point_to_line_equations(scan, *of_ref, result.T_ref_scan.inverse(), partner_gate,
+                                  last_gate ? &in_scan : nullptr),
+          result.T_ref_scan);
       equations.H += back.H;
       equations.g += back.g;
       equations.normal_noise += back.normal_noise;
@@ -43,6 +53,15 @@ PointToLineResult refine_point_to_line(const SurfaceModel& reference, const Surf
     if (last_gate && moved < options.stop_m && std::abs(step.z()) < options.stop_rad) {
       result.converged = true;
       break;
+    }
+    if (last_gate) {
+      // Partners stay while the pose stays.
+      moved_m += moved;
+      turned_rad += std::abs(step.z());
+      if (moved_m > kKeepShare * gate || turned_rad > kKeepTurn_rad) {
+        in_reference.known = in_scan.known = false;
+        moved_m = turned_rad = 0.0;
+      }
     }
     gate = std::max(options.gate_end_m, 0.6 * gate);
   }

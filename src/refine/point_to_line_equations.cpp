@@ -18,6 +18,8 @@ struct LineTask {
   int last;
   const float *x, *y, *nx, *ny, *length, *variance;
   std::size_t padded;
+  std::int32_t* partners;
+  bool known;
   float c, s, tx, ty, gate, soft, min_cosine;
   float sums[17];
 };
@@ -35,20 +37,30 @@ void SumEquations(LineTask& task) {
   const hn::RebindToSigned<decltype(df)> di;
   const V c = hn::Set(df, task.c), s = hn::Set(df, task.s), tx = hn::Set(df, task.tx), ty = hn::Set(df, task.ty);
   const V gate = hn::Set(df, task.gate), min_cosine = hn::Set(df, task.min_cosine), half = hn::Set(df, 0.5F);
-  constexpr float kModelVariance = 4e-6F;  // [m^2] surfaces are not lines, beams are not points
+  constexpr float kModelVariance = 5e-5F;  // [m^2] (7 mm): surfaces are not lines, and ranges err together
   const V base = hn::Set(df, kModelVariance + task.soft * task.soft), width = hn::Set(df, 4.0F);
   const bool with_leak = task.soft == 0.0F;
   const int walks = with_leak ? 2 : 0;  // the first steps need no better partner
   V xx = hn::Zero(df), xy = xx, xt = xx, yy = xx, yt = xx, tt = xx, gx = xx, gy = xx, gt = xx;
   V lxx = xx, lxy = xx, lxt = xx, lyy = xx, lyt = xx, ltt = xx, cost = xx, partners = xx;
   const V one = hn::Set(df, 1.0F);
+  const auto none = hn::Set(di, -1);
   for (std::size_t k = 0; k < task.padded; k += hn::Lanes(df)) {
     const V px = hn::LoadU(df, task.x + k), py = hn::LoadU(df, task.y + k);
     const V rx = hn::Sub(hn::Mul(c, px), hn::Mul(s, py)), ry = hn::Add(hn::Mul(s, px), hn::Mul(c, py));
     const V qx = hn::Add(rx, tx), qy = hn::Add(ry, ty);
     hn::Mask<decltype(df)> found;
-    V distance2;
-    const auto index = FindNearest(df, task.grid, task.points, task.last, qx, qy, found, distance2, walks);
+    hn::Vec<decltype(di)> index;
+    if (task.known) {
+      const auto noted = hn::LoadU(di, task.partners + k);
+      found = hn::RebindMask(df, hn::Gt(noted, none));
+      index = hn::Max(noted, hn::Zero(di));
+    } else {
+      V distance2;
+      index = FindNearest(df, task.grid, task.points, task.last, qx, qy, found, distance2, walks);
+      if (task.partners != nullptr)
+        hn::StoreU(hn::IfThenElse(hn::RebindMask(di, found), index, none), di, task.partners + k);
+    }
     if (hn::AllFalse(df, found)) continue;
     const V mx = hn::LoadU(df, task.nx + k), my = hn::LoadU(df, task.ny + k);
     const V ax = hn::Sub(hn::Mul(c, mx), hn::Mul(s, my)), ay = hn::Add(hn::Mul(s, mx), hn::Mul(c, my));
@@ -96,7 +108,6 @@ void SumEquations(LineTask& task) {
     ltt = hn::Add(ltt, hn::Mul(ut, turn));
   }
   const V all[] = {xx, xy, xt, yy, yt, tt, gx, gy, gt, lxx, lxy, lxt, lyy, lyt, ltt, cost, partners};
-  static_cast<void>(di);
   for (int k = 0; k < 17; ++k) task.sums[k] = hn::GetLane(hn::SumOfLanes(df, all[k]));
 }
 
@@ -111,9 +122,10 @@ namespace phasescan {
 HWY_EXPORT(SumEquations);
 
 NormalEquations point_to_line_equations(const SurfaceModel& model, const SurfaceBatch& hits, const Pose2& T_model_hits,
-                                        const PartnerGate& gate) {
+                                        const PartnerGate& gate, Partners* partners) {
   NormalEquations out;
   if (model.points.size() == 0 || model.grid.empty() || hits.count == 0) return out;
+  if (partners != nullptr && !partners->known) partners->index.resize(hits.padded());
   LineTask task{model.grid.view(),
                 &model.points.points.front().x,
                 model.points.normal_variance.data(),
@@ -125,6 +137,8 @@ NormalEquations point_to_line_equations(const SurfaceModel& model, const Surface
                 hits.length.data(),
                 hits.variance.data(),
                 hits.padded(),
+                partners != nullptr ? partners->index.data() : nullptr,
+                partners != nullptr && partners->known,
                 static_cast<float>(std::cos(T_model_hits.theta)),
                 static_cast<float>(std::sin(T_model_hits.theta)),
                 static_cast<float>(T_model_hits.x),
@@ -144,6 +158,7 @@ NormalEquations point_to_line_equations(const SurfaceModel& model, const Surface
   out.normal_noise = symmetric(task.sums + 9);
   out.cost = static_cast<double>(task.sums[15]);
   out.partners = static_cast<int>(task.sums[16]);
+  if (partners != nullptr) partners->known = true;
   return out;
 }
 

@@ -10,9 +10,9 @@ namespace {
 constexpr int kBeamsPerRestart = 64;  // the rotation recurrence is restarted so often: error below 1e-13
 constexpr double kMinFloor = 0.004;   // [m] no lidar of this kind is better than this
 constexpr int kMaxHalfWindow = 48;
-// A line is fitted this far to either side, short enough for furniture; where the wall runs on, up to 2^kDoublings as far.
+// A line is fitted this far to either side, short enough for furniture, and farther where the wall runs on.
 constexpr double kReachShare = 0.007, kReachSigmas = 1.0;  // of the extent; of the range noise
-constexpr int kDoublings = 4;
+constexpr int kLonger = 4;
 constexpr double kStraight = 1.0;  // of the expected variance across the line: a longer line must fit this well
 constexpr double kLeastCosine = 0.1;  // a beam along a wall is not as good as its noise across it says
 
@@ -123,13 +123,21 @@ void find_segments(const SurfacePoints& points, double spacing, SurfaceWorkspace
 }
 
 struct LineFit {
-  double cx = 0, cy = 0, nx = 0, ny = 0, spread = 0, residual = 0;  // residual: variance across the line
+  double cx = 0, cy = 0, nx = 0, ny = 0, norm2 = 0;  // centre; normal, not of unit length, and its square
+  double spread = 0, residual = 0;                   // variance along and across the line
   int count = 0;
+
+  // Whether the line fits as well as `variance` of the ranges lets expect at (px, py): a beam along the line (less than
+  // about 12 deg apart) is given no more credit.
+  bool fits(double variance, double px, double py) const {
+    const double dot = nx * px + ny * py, all = norm2 * (px * px + py * py);
+    return residual * all <= variance * std::max(dot * dot, 0.04 * all);
+  }
 };
 
-LineFit fit_line(const std::vector<double>& sums, int from, int to) {
-  const double* a = sums.data() + 5 * static_cast<std::size_t>(from);
-  const double* b = sums.data() + 5 * static_cast<std::size_t>(to);
+inline LineFit fit_line(const double* sums, int from, int to) {
+  const double* a = sums + 5 * static_cast<std::size_t>(from);
+  const double* b = sums + 5 * static_cast<std::size_t>(to);
   LineFit fit;
   fit.count = to - from;
   const double inv = 1.0 / fit.count;
@@ -143,13 +151,9 @@ LineFit fit_line(const std::vector<double>& sums, int from, int to) {
   fit.spread = mean + root;
   fit.residual = std::max(mean - root, 0.0);
   // Eigenvector of the small eigenvalue, from the better conditioned row.
-  double nx = half >= 0.0 ? xy : root - half;
-  double ny = half >= 0.0 ? -(half + root) : -xy;
-  const double norm = std::sqrt(nx * nx + ny * ny);
-  if (norm > 0.0) {
-    fit.nx = nx / norm;
-    fit.ny = ny / norm;
-  }
+  fit.nx = half >= 0.0 ? xy : root - half;
+  fit.ny = half >= 0.0 ? -(half + root) : -xy;
+  fit.norm2 = fit.nx * fit.nx + fit.ny * fit.ny;
   return fit;
 }
 
@@ -167,6 +171,7 @@ void find_normals(double spacing, SurfaceWorkspace& work, SurfacePoints& out) {
     next[3] = last[3] + px * py;
     next[4] = last[4] + py * py;
   }
+  const double* const sums = work.sums.data();
   for (int i = 0; i < n; ++i) {
     const double r = static_cast<double>(out.range[i]), sigma = static_cast<double>(out.sigma[i]);
     const double px = static_cast<double>(out.points[i].x), py = static_cast<double>(out.points[i].y);
@@ -179,41 +184,33 @@ void find_normals(double spacing, SurfaceWorkspace& work, SurfacePoints& out) {
     point.length = static_cast<float>(2.0 * step);
     out.normal_variance[i] = 0.3F;
     if (end - begin < 3) continue;
-    int from = std::max(begin, i - half), to = std::min(end, i + half + 1);
-    bool grows_back = true, grows_on = true;
-    LineFit best = fit_line(work.sums, from, to);
     const double expected = sigma * sigma;
-    const double seen_at = std::max(std::abs(best.nx * px + best.ny * py) / r, 0.2);
-    if (best.residual > 1.5 * expected * seen_at * seen_at) {
-      // A corner, perhaps: the side on which the line fits better.
-      for (const int shift : {-half, half}) {
-        const int side_from = std::max(begin, std::min(i, i - half + shift)),
-                  side_to = std::min(end, std::max(i + 1, i + half + 1 + shift));
-        if (side_to - side_from < 3) continue;
-        const LineFit side = fit_line(work.sums, side_from, side_to);
-        if (side.residual >= 0.6 * best.residual) continue;
-        best = side;
-        from = side_from;
-        to = side_to;
-        grows_back = shift < 0;
-        grows_on = shift > 0;
+    const auto fit = [&](int back, int on) {
+      return fit_line(sums, std::max(begin, i - back), std::min(end, i + on + 1));
+    };
+    LineFit best = fit(kLonger * half, kLonger * half);
+    if (best.count >= 3 && best.fits(kStraight * expected, px, py)) {
+      const LineFit longest = fit(kLonger * kLonger * half, kLonger * kLonger * half);
+      if (longest.fits(kStraight * expected, px, py)) best = longest;
+    } else {
+      int back = half, on = half;
+      best = fit(back, on);
+      if (!best.fits(1.5 * expected, px, py)) {
+        // A corner, perhaps: the side on which the line fits better.
+        for (const bool before : {true, false}) {
+          const LineFit side = fit(before ? 2 * half : 0, before ? 0 : 2 * half);
+          if (side.count < 3 || side.residual >= 0.6 * best.residual) continue;
+          best = side;
+          back = before ? 2 * half : 0;
+          on = before ? 0 : 2 * half;
+        }
       }
-    }
-    // As far as the wall runs straight.
-    for (int k = 1; k <= kDoublings && best.count >= 3; ++k) {
-      const int reach_k = half << k;
-      const int longer_from = grows_back ? std::max(begin, std::min(from, i - reach_k)) : from,
-                longer_to = grows_on ? std::min(end, std::max(to, i + reach_k + 1)) : to;
-      if (longer_from == from && longer_to == to) break;
-      const LineFit longer = fit_line(work.sums, longer_from, longer_to);
-      const double cosine = std::max(std::abs(longer.nx * px + longer.ny * py) / r, 0.2);
-      if (longer.residual > kStraight * expected * cosine * cosine) break;
-      best = longer;
-      from = longer_from;
-      to = longer_to;
+      const LineFit longer = fit(2 * back, 2 * on);
+      if (best.count >= 3 && longer.fits(kStraight * expected, px, py)) best = longer;
     }
     if (best.count < 3 || best.spread < 4.0 * best.residual || best.spread <= 0.0) continue;
-    double nx = best.nx, ny = best.ny;
+    const double unit = 1.0 / std::sqrt(best.norm2);
+    double nx = best.nx * unit, ny = best.ny * unit;
     if (nx * px + ny * py > 0.0) {
       nx = -nx;
       ny = -ny;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/refine/nearest_grid.hpp"
@@ -72,10 +74,17 @@ struct PartnerGate {
   double min_normal_cosine = 0.75;
 };
 
+/// Partners of a batch's hits as found at one pose, to be used again a little way on.
+struct Partners {
+  std::vector<std::int32_t> index;  ///< into the model's points, -1 = none; as long as the padded batch
+  bool known = false;               ///< false: look for them and note them here
+};
+
 /// Normal equations of `hits` at T_model_hits against the model's lines.
+/// @param partners  null, or what keeps the partners from step to step
 /// @throws nothing; every CPU gives the same to float rounding.
 NormalEquations point_to_line_equations(const SurfaceModel& model, const SurfaceBatch& hits, const Pose2& T_model_hits,
-                                        const PartnerGate& gate);
+                                        const PartnerGate& gate, Partners* partners = nullptr);
 
 /// Equations about T^-1 turned into equations about T.
 NormalEquations about_inverse(const NormalEquations& equations, const Pose2& T);
