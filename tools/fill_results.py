@@ -2,7 +2,8 @@
 """Fills the tables of docs/RESULTS.md and docs/fft-mh.md from the results.json files of scripts/bench.
 
 A place for a table is `<!-- table: KIND FOLDER[,FOLDER...] [METHOD,...] -->` ... `<!-- end -->`; what stands between is replaced.
-A place whose results are not there keeps its old content. Usage: fill_results.py RESULTS_FOLDER PAGE.md
+A place whose results are not there keeps its old content.
+Usage: fill_results.py RESULTS_FOLDER PAGE.md [SOURCE...]   (only the tables of these sources, as `fuzz.md`)
 """
 import datetime
 import json
@@ -190,8 +191,12 @@ def fill(folder, kind, source, methods):
 def main():
     folder, page = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
 
+    only = sys.argv[3:]
+
     def replace(match):
         words = match[1].split()
+        if only and (len(words) < 2 or words[1] not in only):
+            return match[0]
         content = fill(folder, words[0], words[1] if len(words) > 1 else "", words[2].split(",") if len(words) > 2 else [])
         return match[0] if content is None else f"<!-- table: {match[1]} -->\n\n{content}\n<!-- end -->"
 

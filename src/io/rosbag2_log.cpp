@@ -2,29 +2,21 @@
 
 #include <fcntl.h>
 #include <unistd.h>
-#include <yaml-cpp/yaml.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
-#include <filesystem>
-#include <fstream>
 
 #include "io/decompress.hpp"
 #include "io/mcap_log.hpp"
 #include "io/ros_log.hpp"
+#include "io/rosbag2_files.hpp"
 #include "io/sqlite_bag.hpp"
 #include "phasescan/io/error.hpp"
 
 namespace phasescan {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr std::uintmax_t kMostMetadataBytes = std::uintmax_t{1} << 24;
-constexpr std::size_t kMostFiles = 100'000;
 
 /// A file that is gone with the object.
 class TemporaryFile {
@@ -161,118 +153,13 @@ class FolderContainer final : public ros::Container {
   std::unique_ptr<ros::Container> current_;
 };
 
-/// metadata.yaml names the files relative to the folder; before version 4 with the folder's own name in front.
-std::string split_path(const fs::path& folder, const std::string& stated) {
-  for (const fs::path& candidate : {folder / stated, folder / (stated + ".zstd"), folder / fs::path(stated).filename(),
-                                    folder / (fs::path(stated).filename().string() + ".zstd")}) {
-    std::error_code error;
-    if (fs::is_regular_file(candidate, error)) return candidate.string();
-  }
-  return (folder / stated).string();
-}
-
-struct Recording {
-  bool whole = true;  ///< the metadata reach as far as their count of messages, which stands behind the files
-  std::deque<std::string> files;
-  std::map<std::string, std::string> about;
-};
-
-Recording read_metadata(const fs::path& folder, const fs::path& metadata) {
-  std::error_code error;
-  if (fs::file_size(metadata, error) > kMostMetadataBytes || error) {
-    throw InputError(metadata.string(), 0, "larger than 16 MiB, or not readable; expected the metadata of rosbag2");
-  }
-  Recording out;
-  try {
-    std::ifstream file(metadata);
-    const YAML::Node info = YAML::Load(file)["rosbag2_bagfile_information"];
-    const YAML::Node paths = info["relative_file_paths"];
-    if (!paths || !paths.IsSequence()) {
-      throw InputError(metadata.string(), 0, "no relative_file_paths; expected the metadata of rosbag2");
-    }
-    for (const YAML::Node& path : paths) {
-      if (out.files.size() < kMostFiles) out.files.push_back(split_path(folder, path.as<std::string>()));
-    }
-    out.whole = info["message_count"].IsDefined();
-    for (const char* name : {"version", "storage_identifier", "compression_format", "compression_mode"}) {
-      const YAML::Node value = info[name];
-      if (value && value.IsScalar() && !value.Scalar().empty()) out.about[name] = value.Scalar();
-    }
-  } catch (const YAML::Exception& problem) {
-    throw InputError(metadata.string(), problem.mark.line + 1, problem.msg + "; expected the metadata of rosbag2");
-  }
-  return out;
-}
-
-/// rosbag2 numbers its splits without leading zeros: compare runs of digits by value.
-bool natural_less(const std::string& a, const std::string& b) {
-  const auto number_at = [](const std::string& text) {
-    const auto end = text.find_last_of("0123456789");
-    if (end == std::string::npos) return std::string();
-    const auto before = text.find_last_not_of("0123456789", end);
-    return text.substr(before == std::string::npos ? 0 : before + 1,
-                       end - (before == std::string::npos ? 0 : before + 1) + 1);
-  };
-  const std::string x = number_at(fs::path(a).stem().stem().string());
-  const std::string y = number_at(fs::path(b).stem().stem().string());
-  if (x.size() != y.size()) return x.size() < y.size();
-  return x != y ? x < y : a < b;
-}
-
-Recording list_folder(const fs::path& folder) {
-  Recording out;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end && out.files.size() < kMostFiles;
-       it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    const bool ours = name.ends_with(".db3") || name.ends_with(".mcap") || name.ends_with(".db3.zstd") ||
-                      name.ends_with(".mcap.zstd");
-    if (ours) out.files.push_back(it->path().string());
-  }
-  if (error) throw SystemError(folder.string(), error.message());
-  std::sort(out.files.begin(), out.files.end(), natural_less);
-  out.about["metadata.yaml"] = "missing: the files were taken by their numbers";
-  return out;
-}
-
-/// x_0.db3 and x_0.db3.zstd are the same file.
-std::string bare_name(const std::string& path) {
-  const fs::path name = fs::path(path).filename();
-  return (name.extension() == ".zstd" ? name.stem() : name).string();
-}
-
-/// Metadata that were cut off name too few files: the others are read as well.
-void add_unnamed_files(const std::deque<std::string>& present, const std::string& metadata, Recording& stated,
-                       ros::RosLogReader& log) {
-  for (const std::string& path : present) {
-    const auto same = [&path](const std::string& named) { return bare_name(named) == bare_name(path); };
-    if (std::any_of(stated.files.begin(), stated.files.end(), same)) continue;
-    log.damage("file not named", path, "is not named in " + metadata + ", which was cut off; it is read as well");
-    stated.files.push_back(path);
-  }
-}
-
 }  // namespace
 
 std::unique_ptr<LogReader> open_rosbag2_folder(const std::string& path, const LogOptions& options) {
-  const fs::path metadata = fs::path(path) / "metadata.yaml";
-  std::error_code error;
+  Rosbag2Files found = find_rosbag2_files(path);
   auto log = std::make_unique<ros::RosLogReader>(path, options);
-  Recording recording = list_folder(path);
-  if (fs::exists(metadata, error)) {
-    try {
-      Recording stated = read_metadata(path, metadata);
-      if (!stated.whole) add_unnamed_files(recording.files, metadata.string(), stated, *log);
-      recording = std::move(stated);
-    } catch (const InputError& problem) {
-      if (recording.files.empty()) throw;
-      log->damage("bad metadata", problem.file(), problem.reason() + "; the files were taken by their numbers");
-    }
-  }
-  if (recording.files.empty()) {
-    throw InputError(path, 0, "is a folder without metadata.yaml, .db3 or .mcap; expected a rosbag2 recording");
-  }
-  log->read_from(std::make_unique<FolderContainer>(std::move(recording.files), std::move(recording.about), *log));
+  for (const auto& [kind, place, why] : found.damages) log->damage(kind, place, why);
+  log->read_from(std::make_unique<FolderContainer>(std::move(found.files), std::move(found.about), *log));
   return log;
 }
 

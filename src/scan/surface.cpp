@@ -177,7 +177,7 @@ void find_normals(double spacing, SurfaceWorkspace& work, SurfacePoints& out) {
     const double px = static_cast<double>(out.points[i].x), py = static_cast<double>(out.points[i].y);
     const double step = std::max(spacing * r, 1e-4);
     const double reach = std::max(kReachShare * out.extent, kReachSigmas * sigma);
-    const int half = std::clamp(static_cast<int>(std::ceil(reach / step)), 2, kMaxHalfWindow);
+    const int half = static_cast<int>(std::clamp(std::ceil(reach / step), 2.0, double{kMaxHalfWindow}));
     const int begin = work.segment_begin[i], end = work.segment_end[i];
     SurfacePoint& point = out.points[i];
     point.variance = static_cast<float>(0.25 * sigma * sigma);
