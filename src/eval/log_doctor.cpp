@@ -169,7 +169,7 @@ void find_in_motion(const MotionCounts& motion, std::vector<Finding>& out) {
     out.push_back({"odometry disagrees",
                    fmt::format("{:.0f} % of {} compared motions differ from what the scans show",
                                percent(motion.disagree, motion.compared), motion.compared),
-                   "wheels slip, or the ticks, the wheel base or the mounting of the laser are wrong",
+                   "wheels slip, the ticks, the wheel base or the mounting of the laser are wrong, or stamps lag",
                    "calibrate by a turn on the spot and a straight line; or run with --odometry none"});
   }
   if (motion.neighbours >= 10 && percent(motion.fast, motion.neighbours) > 2.0) {
