@@ -17,6 +17,11 @@ constexpr double kInflation = 0.66;
 constexpr double kSlideVariance = 100.0;  // [m^2] where it does: as far as such a sensor sees
 constexpr double kSlides_m = 0.05;  // less certain than this along some direction: a corridor, where the pose may slide
 
+// Along a corridor both scans agree as well a little farther on.
+bool may_slide(const SearchOutcome& outcome) {
+  return outcome.profile < 0.01 || weakest_sigma(outcome.refined.information) > kSlides_m;
+}
+
 }  // namespace
 
 double weakest_sigma(const Eigen::Matrix3d& information) {
@@ -30,15 +35,15 @@ double weakest_sigma(const Eigen::Matrix3d& information) {
 }
 
 bool is_ambiguous(const SearchOutcome& outcome) {
-  return outcome.margin < 0.05 || outcome.profile < 0.01 || weakest_sigma(outcome.refined.information) > kSlides_m;
+  return outcome.margin < 0.05 || may_slide(outcome);
 }
 
 Eigen::Matrix3d covariance_of(const SearchOutcome& outcome) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(outcome.refined.information);
   Eigen::Vector3d variances =
       (kInflation * eigen.eigenvalues().cwiseMax(1.0 / kMostVariance).cwiseInverse()).cwiseMin(kMostVariance);
-  // Where the pose may slide, what seems to hold it is noise of the normals.
-  if (weakest_sigma(outcome.refined.information) > kSlides_m) variances(0) = std::max(variances(0), kSlideVariance);
+  // What then seems to hold the pose is noise of the normals.
+  if (may_slide(outcome)) variances(0) = kSlideVariance;
   return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
 }
 

@@ -7,6 +7,9 @@
 namespace phasescan {
 namespace {
 
+// The lines are the best of a few tries, and so noisier than their fits say: by so much along bare walls.
+constexpr double kNormalNoise = 2.5;
+
 constexpr double kKeepShare = 0.1, kKeepTurn_rad = 0.003;  // of the gate; partners are kept so far
 
 }  // namespace
@@ -65,7 +68,7 @@ PointToLineResult refine_point_to_line(const SurfaceModel& reference, const Surf
     }
     gate = std::max(options.gate_end_m, 0.6 * gate);
   }
-  result.information = (of_ref != nullptr ? 0.5 : 1.0) * (equations.H - equations.normal_noise);
+  result.information = (of_ref != nullptr ? 0.5 : 1.0) * (equations.H - kNormalNoise * equations.normal_noise);
   return result;
 }
 
