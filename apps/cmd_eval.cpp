@@ -1,9 +1,10 @@
-// phasescan eval --trajectory T (--reference R | --relations F): how good a trajectory is.
+// phasescan eval --trajectory T (--reference R | --relations F | --closure LOG): how good a trajectory is.
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "commands.hpp"
+#include "phasescan/eval/closure.hpp"
 #include "phasescan/eval/relations.hpp"
 #include "phasescan/eval/trajectory_error.hpp"
 #include "phasescan/io/error.hpp"
@@ -13,7 +14,7 @@ namespace phasescan::app {
 namespace {
 
 struct EvalFlags {
-  std::string trajectory, reference, relations, laser;
+  std::string trajectory, reference, relations, closure, laser;
   double max_gap_s = 0.01, delta = 1.0;
   std::string delta_unit = "f";
   bool no_align = false, json = false;
@@ -101,8 +102,31 @@ int eval_relations(const EvalFlags& flags, const std::vector<StampedPose>& traje
   return errors.translation.empty() ? kAnswerIsNo : kDone;
 }
 
+int eval_closure(const EvalFlags& flags, const std::vector<StampedPose>& trajectory) {
+  const Closure closure = closure_errors(*open_log(flags.closure), trajectory);
+  std::vector<double> metres, degrees;
+  for (const Return& r : closure.returns) {
+    metres.push_back(r.translation_m);
+    degrees.push_back(rad_to_deg(r.rotation_rad));
+  }
+  const ErrorStats t = error_stats(metres), r = error_stats(degrees);
+  const double end = metres.empty() ? 0.0 : metres.back();
+  const std::size_t last = metres.empty() ? 0 : closure.returns.back().second;
+  if (flags.json) {
+    print(fmt::format(
+        "{{\"returns\": {}, \"matched\": {}, \"translation_m\": {}, \"rotation_deg\": {}, \"last_return_scan\": {}, "
+        "\"last_return_m\": {:.4f}}}\n",
+        closure.looked_at, metres.size(), stats_json(t), stats_json(r), last, end));
+  } else {
+    print(fmt::format("{} returns, {} matched\n", closure.looked_at, metres.size()) + stats_line("closure", "m", t) +
+          stats_line("rotation", "deg", r) + fmt::format("last return at scan {}: {:.4f} m\n", last, end));
+  }
+  return metres.empty() ? kAnswerIsNo : kDone;
+}
+
 void add_eval_command(CLI::App& app, CommandBody& body) {
-  auto* command = app.add_subcommand("eval", "how good a trajectory is: ATE and RPE, or the relations metric");
+  auto* command =
+      app.add_subcommand("eval", "how good a trajectory is: ATE and RPE, the relations metric, or how well it closes");
   auto flags = std::make_shared<EvalFlags>();
   command->add_option("--trajectory", flags->trajectory, "the trajectory, TUM format")->required()->type_name("T.tum");
   auto* reference =
@@ -112,6 +136,12 @@ void add_eval_command(CLI::App& app, CommandBody& body) {
       command->add_option("--relations", flags->relations, "verified relative poses: the relations metric")
           ->type_name("F.relations");
   reference->excludes(relations);
+  command
+      ->add_option("--closure", flags->closure,
+                   "the trajectory's log: scans of one place long apart are matched and compared with the trajectory")
+      ->type_name("LOG")
+      ->excludes(reference)
+      ->excludes(relations);
   command
       ->add_option(
           "--laser", flags->laser,
@@ -128,11 +158,13 @@ void add_eval_command(CLI::App& app, CommandBody& body) {
   command->add_flag("--json", flags->json, "one JSON object");
   command->callback([flags, &body] {
     body = [flags] {
-      if (flags->reference.empty() && flags->relations.empty())
-        throw std::invalid_argument("eval: neither --reference nor --relations is given; expected one of them");
+      if (flags->reference.empty() && flags->relations.empty() && flags->closure.empty())
+        throw std::invalid_argument(
+            "eval: neither --reference nor --relations nor --closure is given; expected one of them");
       const std::vector<StampedPose> trajectory = read_tum(flags->trajectory);
       if (trajectory.empty())
         throw InputError(flags->trajectory, 0, "not one pose; expected lines of stamp x y z qx qy qz qw");
+      if (!flags->closure.empty()) return eval_closure(*flags, trajectory);
       return flags->relations.empty() ? eval_reference(*flags, trajectory) : eval_relations(*flags, trajectory);
     };
   });

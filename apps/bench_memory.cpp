@@ -1,0 +1,107 @@
+// phasescan bench memory: how the bounded-memory mode grows while a robot drives about one building for days.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "commands.hpp"
+#include "phasescan/core/time.hpp"
+#include "phasescan/sim/drive.hpp"
+#include "phasescan/sim/pairs_spec.hpp"
+#include "phasescan/sim/world_file.hpp"
+#include "phasescan/slam/slam.hpp"
+
+namespace phasescan::app {
+namespace {
+
+struct MemoryFlags {
+  CommonFlags common;
+  std::size_t scans = 400'000, settled = 20'000;
+  int people = 3;
+  std::string world = "flat:1", sensor = "rplidar-a1";
+};
+
+/// Resident memory of this process [bytes].
+double resident_bytes() {
+  std::ifstream statm("/proc/self/statm");
+  double total = 0.0, resident = 0.0;
+  statm >> total >> resident;
+  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+int run_memory(const MemoryFlags& flags) {
+  if (flags.settled >= flags.scans)
+    throw std::invalid_argument(
+        fmt::format("bench memory: --settled {} is not below --scans {}", flags.settled, flags.scans));
+  const sim::World world = sim::world_by_name(flags.world, flags.common.seed);
+  const sim::LidarOptions lidar = sim::read_lidar(flags.sensor);
+  sim::PathOptions path;
+  path.speed_mps = 0.5;
+  path.turn_rate_dps = 90.0;
+  path.duration_s = static_cast<double>(flags.scans) / lidar.rate_hz;
+  sim::DriveOptions people;
+  people.people = flags.people;
+  sim::Drive drive(world, lidar, sim::Path(world, path, Random::derive(flags.common.seed, 1)), people,
+                   Random::derive(flags.common.seed, 2));
+  SlamOptions options = config_from(flags.common).slam;
+  options.slam.bounded_memory = true;
+  Slam slam(options);
+  Progress progress("scans", flags.scans);
+  const InterruptGuard guard;
+  const double cpu = process_cpu_seconds();
+  double settled_bytes = 0.0;
+  std::size_t settled_nodes = 0;
+  Pose2 T_world_start, T_world_now;
+  while (!InterruptGuard::interrupted() && slam.records().size() < flags.scans) {
+    const auto scan = drive.next();
+    if (!scan) break;
+    if (slam.records().empty()) T_world_start = scan->T_world_laser;
+    T_world_now = scan->T_world_laser;
+    slam.add(scan->entry.scan);
+    if (slam.records().size() == flags.settled) {
+      settled_bytes = resident_bytes();
+      settled_nodes = slam.backend().keyframes().size();
+    }
+    progress.step(slam.records().size());
+  }
+  const double grown = resident_bytes() - settled_bytes;
+  const std::size_t n = slam.records().size();
+  const Pose2 off = slam.trajectory().back().inverse() * (T_world_start.inverse() * T_world_now);
+  print(fmt::format(
+      "{{\"scans\": {}, \"settled\": {}, \"nodes_settled\": {}, \"nodes\": {}, \"rss_settled_mib\": {:.1f}, "
+      "\"grown_bytes\": {:.0f}, \"allowed_bytes\": {}, \"bytes_per_scan\": {:.1f}, \"end_off_m\": {:.3f}, "
+      "\"cpu_ms_per_scan\": {:.3f}}}\n",
+      n, flags.settled, settled_nodes, slam.backend().keyframes().size(), settled_bytes / 1048576.0, grown,
+      64 * n + 5'000'000, grown / static_cast<double>(std::max<std::size_t>(1, n - flags.settled)),
+      std::hypot(off.x, off.y), 1e3 * (process_cpu_seconds() - cpu) / static_cast<double>(n)));
+  return n == flags.scans && grown <= static_cast<double>(64 * n + 5'000'000) ? kDone : kAnswerIsNo;
+}
+
+void add_memory_command(CLI::App& app, CommandBody& body) {
+  auto* bench = app.get_subcommand("bench");
+  auto* command = bench->add_subcommand(
+      "memory",
+      "memory of the bounded-memory mode in one simulated building with people: 64 bytes a scan + 5 MB allowed");
+  auto flags = std::make_shared<MemoryFlags>();
+  command->add_option("--scans", flags->scans, "length of the drive")
+      ->type_name("N")
+      ->check(CLI::Range(100, 100'000'000))
+      ->capture_default_str();
+  command->add_option("--settled", flags->settled, "growth counts from this scan on")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100'000'000))
+      ->capture_default_str();
+  command->add_option("--people", flags->people, "people walking about")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  command->add_option("--world", flags->world, "as for simulate")->capture_default_str();
+  command->add_option("--sensor", flags->sensor, "as for simulate")->capture_default_str();
+  add_seed_flag(*command, flags->common);
+  add_config_flag(*command, flags->common);
+  command->callback([flags, &body] { body = [flags] { return run_memory(*flags); }; });
+}
+
+const CommandRegistration kMemory{32, add_memory_command};
+
+}  // namespace
+}  // namespace phasescan::app
