@@ -12,6 +12,8 @@ import re
 import subprocess
 import sys
 
+import slam_tables
+
 CLASSES = ["small", "middle", "large", "global"]
 
 
@@ -164,7 +166,7 @@ def ablation(results_of):
 
 
 KINDS = {"success": success, "honesty": honesty, "accuracy": accuracy, "time": time, "shortcut": shortcut, "corridors": corridors,
-         "nees": nees}
+         "nees": nees, **slam_tables.KINDS}
 
 
 def machine():

@@ -1,0 +1,73 @@
+"""The SLAM tables of docs/RESULTS.md, from the results.json files of scripts/slam_results."""
+
+
+def number(value, digits):
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def markdown(header, rows, words):
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * words + "---:|" * (len(header) - words)]
+    return "\n".join(lines + ["| " + " | ".join(str(c) for c in row) + " |" for row in rows]) + "\n"
+
+
+def options_of(row):
+    options = row["cut"] + (["--odometry none"] if row["odometry"] == "none" else [])
+    return f"`{' '.join(options)}`" if options else ""
+
+
+def relations(rows, _):
+    table = []
+    for r in rows:
+        e = r["error"]
+        reading = "base" if r["log"].startswith("fr079") and not r["reading"] else "laser"
+        table.append([r["log"], options_of(r), r["relations"], reading, number(e["translation_m"]["mean"], 4),
+                      number(e["rotation_deg"]["mean"], 3), number(e["translation_m"]["max"], 3), e["above_0.2_m"],
+                      f"{e['unanswered']} of {e['relations']}"])
+    return markdown(["log", "options", "relations", "poses of the", "translation, mean [m]", "rotation, mean [deg]", "largest [m]",
+                     "above 0.2 m", "unanswered"], table, 4)
+
+
+def cost(rows, _):
+    table = []
+    for r in rows:
+        t = r["timing"]
+        row = [r["log"], options_of(r), t["scans"], number(t["cpu_ms_per_scan"], 3), number(t["step_cpu_ms"]["mean"], 3),
+               number(t["step_cpu_ms"]["p99"], 2), number(t["peak_memory_mib"], 1)]
+        if row not in table:
+            table.append(row)
+    return markdown(["log", "options", "scans", "whole, CPU ms a scan", "a step, mean [ms]", "a step, p99 [ms]", "peak MiB"], table, 2)
+
+
+def lowcost(rows, _):
+    table = []
+    for r in rows:
+        c, s = r["closure"], r["summary"]
+        auto = next(o for o in rows if o["log"] == r["log"] and o["odometry"] == "auto")["summary"]["map"]["occupied_cells"]
+        some = c["matched"] > 0
+        table.append([r["log"], "none" if r["odometry"] == "none" else "used", f"{s['scans_tracked']} of {s['scans']}", c["returns"],
+                      c["matched"], number(c["translation_m"]["mean"] if some else None, 4),
+                      number(c["translation_m"]["max"] if some else None, 3), number(c["last_return_m"] if some else None, 4),
+                      s["map"]["occupied_cells"], number(s["map"]["occupied_cells"] / auto, 3)])
+    return markdown(["log", "odometry", "tracked", "returns", "matched", "closure, mean [m]", "largest [m]", "at the last [m]",
+                     "occupied cells", "times those with odometry"], table, 2)
+
+
+def simulated(rows, _):
+    table = [[r["world"], f"{r['speed']} m/s, {r['turn_rate']} deg/s", " ".join(number(e, 3) for e in r["ate_rmse_m"]),
+              number(max(r["ate_rmse_m"]), 3)] for r in rows]
+    return markdown(["world", "at most", "ATE RMSE of ten buildings [m]", "worst [m]"], table, 3)
+
+
+def same(rows, _):
+    return markdown(["file", "three runs, 1, 1 and 2 threads"], [[r["file"], "same" if r["same"] else "DIFFERENT"] for r in rows], 2)
+
+
+def memory(rows, _):
+    return markdown(["scans", "keyframes at 20,000", "at the end", "MiB at 20,000", "grown [bytes]", "allowed [bytes]", "bytes a scan",
+                     "CPU ms a scan"],
+                    [[r["scans"], r["nodes_settled"], r["nodes"], r["rss_settled_mib"], int(r["grown_bytes"]), r["allowed_bytes"],
+                      r["bytes_per_scan"], r["cpu_ms_per_scan"]] for r in rows], 0)
+
+
+KINDS = {"slam-relations": relations, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same,
+         "slam-memory": memory}
