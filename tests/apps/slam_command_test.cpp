@@ -2,15 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "phasescan/io/map_file.hpp"
 #include "phasescan/io/tum.hpp"
 #include "support/command.hpp"
-#include "support/toy_world.hpp"
+#include "support/toy_log.hpp"
 
 namespace phasescan {
 namespace {
@@ -20,44 +18,9 @@ using test::run_command;
 using test::slurp;
 using test::TempFolder;
 using ::testing::HasSubstr;
-
-/// What may be done to a log line before it is written; "" leaves the line out.
-struct ToyLog {
-  std::string flaser;  ///< CARMEN text
-  std::string truth;   ///< TUM text
-  std::size_t scans = 0;
-};
-
-ToyLog toy_log(std::size_t most = 200) {
-  const auto walls = testing::two_rooms();
-  const auto tour = testing::toy_tour(0.2, 0.4, 1.0);
-  Random random(77);
-  testing::ToyLidar lidar;
-  lidar.beams = 360;
-  lidar.field = kPi;
-  lidar.range_max = 0.0;
-  ToyLog log;
-  std::vector<StampedPose> truth;
-  for (std::size_t i = 0; i < std::min(most, tour.size()); ++i) {
-    const Stamp stamp = stamp_from_seconds(1000.0 + 0.2 * static_cast<double>(i));
-    const Scan scan = testing::toy_scan(walls, tour[i], lidar, random, stamp);
-    std::string line = "FLASER 360";
-    for (const float r : scan.ranges) line += fmt::format(" {:.3f}", r);
-    log.flaser += fmt::format("{} 0 0 0 {:.4f} {:.4f} {:.5f} {:.3f} host {:.3f}\n", line, tour[i].x, tour[i].y,
-                              tour[i].theta, stamp_to_seconds(stamp), 0.2 * static_cast<double>(i));
-    truth.push_back({stamp, tour[i]});
-    ++log.scans;
-  }
-  log.truth = format_tum(truth);
-  return log;
-}
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) lines.push_back(line + "\n");
-  return lines;
-}
+using testing::lines_of;
+using testing::toy_log;
+using testing::ToyLog;
 
 json summary_in(const TempFolder& folder) {
   return json::parse(slurp(folder / "out/summary.json"));
@@ -183,6 +146,31 @@ TEST(EvalCommand, RelationsByHand) {
   EXPECT_NEAR(j["rotation_deg"]["max"], rad_to_deg(0.1), 1e-4);
   EXPECT_NEAR(j["translation_squared_m2"]["mean"], 0.125, 1e-5);
   EXPECT_EQ(j["above_0.2_m"], 1);
+}
+
+TEST(EvalCommand, ClosureSeesAShiftBetweenTwoVisits) {
+  const TempFolder folder;
+  const ToyLog log = toy_log(1000);
+  const std::string path = folder.put("tour.log", log.flaser);
+  // The truth closes; with the second half of it moved by 10 cm it does not.
+  std::string shifted;
+  std::size_t number = 0;
+  for (const StampedPose& p : read_tum(folder.put("truth.tum", log.truth))) {
+    const bool late = 2 * number++ > log.scans;
+    shifted +=
+        format_tum(std::vector<StampedPose>{{p.stamp, Pose2{p.pose.x + (late ? 0.1 : 0.0), p.pose.y, p.pose.theta}}});
+  }
+  const auto closed = run_command({"eval", "--trajectory", folder / "truth.tum", "--closure", path, "--json"});
+  ASSERT_EQ(closed.code, 0) << closed.err;
+  EXPECT_GT(json::parse(closed.out)["matched"], 5);
+  EXPECT_LT(json::parse(closed.out)["translation_m"]["max"], 0.03);
+  const auto open =
+      run_command({"eval", "--trajectory", folder.put("shifted.tum", shifted), "--closure", path, "--json"});
+  ASSERT_EQ(open.code, 0) << open.err;
+  EXPECT_NEAR(json::parse(open.out)["last_return_m"], 0.1, 0.03);
+  const auto short_one =
+      run_command({"eval", "--trajectory", folder.put("short.tum", "1000 0 0 0 0 0 0 1\n"), "--closure", path});
+  EXPECT_EQ(short_one.code, 2);
 }
 
 }  // namespace

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -24,8 +26,10 @@ inline std::string slurp(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// `out`: where standard output goes instead of being collected (e.g. /dev/full).
-inline CommandResult run_command(const std::vector<std::string>& arguments, const std::string& out = "") {
+/// `interrupt`: sends this signal (SIGINT is Ctrl-C) once `interrupt_ready()` is true or the command has ended by
+/// itself. `out`: where standard output goes instead of being collected (e.g. /dev/full).
+inline CommandResult run_command(const std::vector<std::string>& arguments, const std::string& out = "",
+                                 int interrupt = 0, const std::function<bool()>& interrupt_ready = {}) {
   const TempFolder folder;
   const std::string out_path = out.empty() ? folder / "out" : out, err_path = folder / "err";
   std::vector<std::string> words{PHASESCAN_COMMAND};
@@ -42,7 +46,18 @@ inline CommandResult run_command(const std::vector<std::string>& arguments, cons
     ::_exit(127);
   }
   int status = 0;
-  ::waitpid(child, &status, 0);
+  if (interrupt != 0) {
+    while (::waitpid(child, &status, WNOHANG) == 0) {
+      if (interrupt_ready()) {
+        ::kill(child, interrupt);
+        ::waitpid(child, &status, 0);
+        break;
+      }
+      ::usleep(2000);
+    }
+  } else {
+    ::waitpid(child, &status, 0);
+  }
   CommandResult result;
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   if (out.empty()) result.out = slurp(out_path);
