@@ -11,16 +11,27 @@
 namespace phasescan {
 namespace {
 
+/// Scans see the less in common the farther apart they stand and the more they are turned.
+double apart(const Pose2& a, const Pose2& b) {
+  return translation_distance(a, b) + 0.5 * angle_distance(a.theta, b.theta);
+}
+
+double field_of(const Scan& scan) {
+  return scan.size() < 2 ? 0.0 : std::abs(scan.angle(scan.size() - 1) - scan.angle(0));
+}
+
 /// The scan nearest to scan `second` among those before `limit`.
 std::size_t nearest_before(std::span<const StampedPose> trajectory, std::size_t second, std::size_t limit) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < limit; ++i) {
-    if (translation_distance(trajectory[i].pose, trajectory[second].pose) <
-        translation_distance(trajectory[best].pose, trajectory[second].pose))
+    if (apart(trajectory[i].pose, trajectory[second].pose) < apart(trajectory[best].pose, trajectory[second].pose))
       best = i;
   }
   return best;
 }
+
+constexpr double kWholeTurn = 6.0;    // [rad] a field of view from here on sees all around
+constexpr double kMostTurned = 0.35;  // of a smaller one that two scans may be turned against each other
 
 struct Kept {
   Scan scan;
@@ -32,10 +43,11 @@ struct Kept {
 
 Closure closure_errors(LogReader& log, std::span<const StampedPose> trajectory, const ClosureOptions& options) {
   const std::size_t n = trajectory.size();
-  const auto apart = std::max<std::size_t>(1, static_cast<std::size_t>(options.apart_share * static_cast<double>(n)));
+  const auto least_apart =
+      std::max<std::size_t>(1, static_cast<std::size_t>(options.apart_share * static_cast<double>(n)));
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
-  for (std::size_t second = apart; second < n; ++second) {
-    const std::size_t first = nearest_before(trajectory, second, second - apart + 1);
+  for (std::size_t second = least_apart; second < n; ++second) {
+    const std::size_t first = nearest_before(trajectory, second, second - least_apart + 1);
     if (translation_distance(trajectory[first].pose, trajectory[second].pose) < options.near_m)
       pairs.emplace_back(first, second);
   }
@@ -61,6 +73,8 @@ Closure closure_errors(LogReader& log, std::span<const StampedPose> trajectory, 
   for (const auto& [first, second] : pairs) {
     const Kept &a = kept[first], &b = kept[second];
     if (a.flipped || b.flipped) continue;
+    const double turned = angle_distance(trajectory[first].pose.theta, trajectory[second].pose.theta);
+    if (field_of(a.scan) < kWholeTurn && turned > kMostTurned * field_of(a.scan)) continue;
     ++closure.looked_at;
     const MatchResult match = matcher.match(a.scan, b.scan);
     if (!match.usable || match.overlap < options.min_overlap) continue;
