@@ -64,9 +64,9 @@ def same(rows, _):
 
 def memory(rows, _):
     return markdown(["scans", "keyframes at 20,000", "at the end", "MiB at 20,000", "grown [bytes]", "allowed [bytes]", "bytes a scan",
-                     "CPU ms a scan"],
+                     "off at the end [m]", "CPU ms a scan"],
                     [[r["scans"], r["nodes_settled"], r["nodes"], r["rss_settled_mib"], int(r["grown_bytes"]), r["allowed_bytes"],
-                      r["bytes_per_scan"], r["cpu_ms_per_scan"]] for r in rows], 0)
+                      r["bytes_per_scan"], number(r["end_off_m"], 3), r["cpu_ms_per_scan"]] for r in rows], 0)
 
 
 KINDS = {"slam-relations": relations, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same,
