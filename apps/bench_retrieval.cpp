@@ -11,6 +11,7 @@
 #include "phasescan/match/scan_matcher.hpp"
 #include "phasescan/scan/points.hpp"
 #include "phasescan/sim/places.hpp"
+#include "phasescan/slam/place_check.hpp"
 #include "phasescan/slam/place_index.hpp"
 
 namespace phasescan::app {
@@ -92,13 +93,13 @@ int run_retrieval(const RetrievalFlags& flags) {
     }
     among_ten += there;
     if (!keep || q % verify_stride != 0) continue;
-    // The most confident of the usable answers is the one that would be believed.
+    // The most confident of the answers that hold is the one that would be believed.
     ++asked;
     double best = 0.0;
     bool right = false;
     for (const PlaceHit& hit : hits) {
       const MatchResult match = matcher.match(scans[hit.place], queries[q].scan);
-      if (!match.usable || match.confidence.value_or(1.0) <= best) continue;
+      if (!is_same_place(match) || match.confidence.value_or(1.0) <= best) continue;
       best = match.confidence.value_or(1.0);
       // Places of one building overlap: an answer is right where it says truly how the query stands to the place.
       const Whereabouts& place = places[hit.place];

@@ -16,8 +16,7 @@ namespace {
 
 constexpr auto kF = static_cast<Eigen::Index>(kPlaceFeatures);
 constexpr auto kD = static_cast<Eigen::Index>(kDescriptorSize);
-constexpr double kRidge = 0.01;         // of the variance within a place
-constexpr double kStepsPerSigma = 3.0;  // of the 8-bit numbers
+constexpr double kRidge = 0.01;  // of the variance within a place
 constexpr std::size_t kBlock = 512;
 
 struct Kind {
@@ -116,7 +115,7 @@ std::string fit_place_projection(std::uint64_t seed, std::size_t places,
   for (Eigen::Index d = 0; d < kD; ++d) {
     const double signal = std::max(1e-3, solver.eigenvalues()[kF - 1 - d] - 1.0);
     Eigen::VectorXd w = solver.eigenvectors().col(kF - 1 - d);
-    w *= kStepsPerSigma * std::sqrt(signal / (1.0 + signal));
+    w *= std::sqrt(signal / (1.0 + signal));
     step[d] = w.cwiseAbs().maxCoeff() / kMostLetter;
     rows += "    \"";
     for (Eigen::Index f = 0; f < kF; ++f) rows += place_letter(static_cast<int>(std::lround(w[f] / step[d])));

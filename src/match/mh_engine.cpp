@@ -68,6 +68,7 @@ class MhEngine final : public MatchEngine {
     result.rotation_source = best.source;
     result.iterations = outcome_.refined.iterations;
     result.overlap = std::clamp(outcome_.evidence.matched / std::max(outcome_.evidence.hits, 1), 0.0, 1.0);
+    result.violation = outcome_.evidence.violation / std::max(outcome_.evidence.hits, 1);
     result.covariance = covariance_of(outcome_);
     const ConfidenceFeatures features = confidence_features(outcome_);
     result.features.assign(features.value.begin(), features.value.end());

@@ -11,6 +11,7 @@ namespace phasescan {
 namespace {
 
 constexpr int kNodesPerOptimize = 60;
+constexpr double kBreakM = 100.0;  // way that a break of tracking counts for
 // Bounded memory: a place is shown well enough when so many keyframes look at it from so near, and a scan there fits so
 // well.
 constexpr int kShownKeyframes = 2, kMostKeyframes = 8;
@@ -19,10 +20,12 @@ constexpr std::size_t kSurroundings = 16;
 // Doubt of a step beyond the usual counts as so much way.
 constexpr double kSmallDoubtM = 0.05, kWayPerDoubt = 100.0;
 constexpr int kFinalRounds = 2;
+constexpr double kNoKernel = 1e6;      // standard deviations: no loop is that far off
+constexpr double kMostStepChi2 = 6.0;  // of three numbers: twice what noise alone gives a step
 
 }  // namespace
 
-Backend::Backend(const SlamOptions& options) : options_(options), judge_(options.loops) {}
+Backend::Backend(const SlamOptions& options) : options_(options), judge_(options.loops), places_(options.loops) {}
 
 void Backend::add_batch(std::vector<Keyframe> batch) {
   for (Keyframe& keyframe : batch) {
@@ -45,6 +48,7 @@ void Backend::add_batch(std::vector<Keyframe> batch) {
 void Backend::add_keyframe(Keyframe keyframe) {
   if (keyframes_.empty()) {
     graph_.add_node(keyframe.T_odom_base);
+    way_m_.push_back(0.0);
     keyframes_.push_back(std::move(keyframe));
     return;
   }
@@ -52,13 +56,14 @@ void Backend::add_keyframe(Keyframe keyframe) {
   const Pose2 step = last.T_node_keyframe() * (T_odom_last_.inverse() * keyframe.T_odom_base);
   const int node = graph_.add_node(graph_.poses()[static_cast<std::size_t>(last.node)] * step);
   const double distance = std::hypot(step.x, step.y);
-  since_loop_m_ += distance + 0.3 * std::abs(step.theta);
+  const double way = distance + 0.3 * std::abs(step.theta) + (keyframe.new_segment ? kBreakM : 0.0);
+  since_loop_m_ += way;
+  way_m_.push_back(way_m_.back() + way);
   PoseEdge edge;
   edge.from = last.node;
   edge.to = node;
   edge.T_from_to = step;
   if (keyframe.new_segment) {
-    since_loop_m_ += 100.0;
     edge.information = Eigen::Vector3d(0.1, 0.1, 0.1).asDiagonal();
   } else {
     edge.information = edge_information(keyframe.information, 1.0, 0.5);
@@ -115,7 +120,30 @@ std::vector<Pose2> Backend::handed_in_poses(bool odometry) const {
   return out;
 }
 
+void Backend::bend_to_large_loops() {
+  const std::vector<Pose2> before = graph_.poses();
+  GraphOptions options;
+  options.max_iterations = 25;
+  options.kernel_width = kNoKernel;
+  graph_.optimize(options);
+  int first = static_cast<int>(before.size());
+  for (const int i : large_loops_) first = std::min(first, graph_.edges()[static_cast<std::size_t>(i)].from);
+  double chi2 = 0.0;
+  int steps = 0;
+  for (std::size_t i = 0; i < graph_.edges().size(); ++i) {
+    const PoseEdge& edge = graph_.edges()[i];
+    if (edge.robust || edge.from < first) continue;
+    chi2 += graph_.edge_chi2(static_cast<int>(i));
+    ++steps;
+  }
+  if (chi2 <= kMostStepChi2 * steps) return;
+  for (std::size_t k = 0; k < before.size(); ++k) graph_.set_pose(static_cast<int>(k), before[k]);
+  for (const int i : large_loops_) graph_.set_enabled(i, false);
+}
+
 void Backend::optimize(int max_iterations) {
+  if (!large_loops_.empty()) bend_to_large_loops();
+  large_loops_.clear();
   GraphOptions options;
   options.max_iterations = max_iterations;
   graph_.optimize(options);

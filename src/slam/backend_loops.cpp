@@ -19,7 +19,8 @@ constexpr std::size_t kCachedMaps = 4;
 constexpr double kCorridor = 0.02;  // ratio of information below which a direction counts as unseen
 constexpr double kSlideStepM = 0.1;
 constexpr int kSlideSteps = 10;
-constexpr double kSlideGain = 0.01;  // of the score, for a slide to be worth it
+constexpr double kOutOfReachM = 1.0;  // loops farther off than this do not draw the graph by themselves
+constexpr double kSlideGain = 0.01;   // of the score, for a slide to be worth it
 
 /// Whether a match holds the pose in every direction to a decimetre: in a bare corridor it does not.
 bool sees_both_ways(const Eigen::Matrix3d& information) {
@@ -107,14 +108,14 @@ const LocalMap& Backend::visit_map(int anchor) {
   return map;
 }
 
-std::optional<Loop> Backend::compare(int other, int node, double uncertainty_m) {
+std::optional<Loop> Backend::compare(int other, int node, const Pose2& T_world_node, double uncertainty_m) {
   const int last = static_cast<int>(keyframes_.size()) - 1;
   const int anchor = std::min(last, (other + kAnchorStep / 2) / kAnchorStep * kAnchorStep);
   if (std::abs(anchor - node) <= kVisitNodes) return std::nullopt;
   const LocalMap& map = visit_map(anchor);
   const auto& poses = graph_.poses();
   const MapPoints& points = *keyframes_[static_cast<std::size_t>(node)].points;
-  const Pose2 guess = map.T_world_map().inverse() * poses[static_cast<std::size_t>(node)];
+  const Pose2 guess = map.T_world_map().inverse() * T_world_node;
   ++counts_.compared;
   Registration found = register_points(map, points, guess);
   if (found.overlap < options_.loops.min_overlap + 0.1 && uncertainty_m > 0.15) {
@@ -143,16 +144,43 @@ std::optional<Loop> Backend::compare(int other, int node, double uncertainty_m) 
 void Backend::find_loops(int node) {
   const double uncertainty_m = std::min(3.0, kDriftPerMetre * since_loop_m_);
   for (const int anchor : nearby_visits(node, node - options_.loops.min_nodes_apart)) {
-    const std::optional<Loop> loop = compare(anchor, node, uncertainty_m);
-    if (!loop) continue;
-    const std::vector<Loop> believed = judge_.add(*loop, graph_.poses());
-    for (const Loop& l : believed) {
-      const Pose2 error = graph_.poses()[static_cast<std::size_t>(l.to)].inverse() *
-                          (graph_.poses()[static_cast<std::size_t>(l.from)] * l.T_from_to);
-      if (std::hypot(error.x, error.y) > options_.loops.small_error_m) large_correction_ = true;
-      add_loop_edge(l);
-      if (sees_both_ways(l.information)) since_loop_m_ = 0.0;
+    const std::optional<Loop> loop =
+        compare(anchor, node, graph_.poses()[static_cast<std::size_t>(node)], uncertainty_m);
+    if (loop) believe(*loop);
+  }
+  if (options_.loops.places) find_places(node);
+}
+
+void Backend::believe(const Loop& loop) {
+  for (const Loop& l : judge_.add(loop, graph_.poses())) {
+    const Pose2 error = graph_.poses()[static_cast<std::size_t>(l.to)].inverse() *
+                        (graph_.poses()[static_cast<std::size_t>(l.from)] * l.T_from_to);
+    const bool large = std::hypot(error.x, error.y) > options_.loops.small_error_m;
+    add_loop_edge(l);
+    if (large) {
+      large_correction_ = true;
+      if (std::hypot(error.x, error.y) > kOutOfReachM)
+        large_loops_.push_back(static_cast<int>(graph_.edges().size()) - 1);
     }
+    if (sees_both_ways(l.information)) since_loop_m_ = 0.0;
+  }
+}
+
+void Backend::find_places(int node) {
+  const auto here = static_cast<std::size_t>(node);
+  const bool search = way_m_[here] - way_of_place_m_ >= options_.loops.places_after_m;
+  for (const PlaceMatch& place : places_.add(keyframes_, graph_.poses(), search)) {
+    const auto other = static_cast<std::size_t>(place.node);
+    const Pose2 T_world_node = graph_.poses()[other] * place.T_node_query;
+    // Rooms look alike; but the way between them is known too, and the map is not off by more than that allows.
+    const double off = translation_distance(T_world_node, graph_.poses()[here]);
+    if (off > options_.loops.near_radius_m && off > options_.loops.most_drift * (way_m_[here] - way_m_[other]))
+      continue;
+    ++counts_.places;
+    const std::optional<Loop> loop = compare(place.node, node, T_world_node, 0.0);
+    if (!loop) continue;
+    believe(*loop);
+    if (off < options_.loops.small_error_m) way_of_place_m_ = way_m_[here];
   }
 }
 
@@ -173,7 +201,7 @@ void Backend::rematch_all() {
   LoopJudge judge(options_.loops);
   for (int node = 0; node < n; ++node) {
     for (const int anchor : nearby_visits(node, n - 1)) {
-      if (const std::optional<Loop> loop = compare(anchor, node, 0.0)) {
+      if (const std::optional<Loop> loop = compare(anchor, node, graph_.poses()[static_cast<std::size_t>(node)], 0.0)) {
         for (const Loop& believed : judge.add(*loop, graph_.poses())) loops.push_back(believed);
       }
     }

@@ -27,8 +27,11 @@ void PlaceProjection::apply(const PlaceFeatures& features, PlaceDescriptor& out)
     const float value = features[f] - mean[f];
     for (std::size_t d = 0; d < kDescriptorSize; ++d) sums[d] += value * weights[f][d];
   }
+  float squares = 0.0F;
+  for (const float sum : sums) squares += sum * sum;
+  const float scale = squares > 0.0F ? kDescriptorLength / std::sqrt(squares) : 0.0F;
   for (std::size_t d = 0; d < kDescriptorSize; ++d)
-    out[d] = static_cast<std::int8_t>(std::clamp(std::round(sums[d]), -127.0F, 127.0F));
+    out[d] = static_cast<std::int8_t>(std::clamp(std::round(scale * sums[d]), -127.0F, 127.0F));
 }
 
 const PlaceProjection& place_projection() {

@@ -58,6 +58,7 @@ struct MatchResult {
       confidence;                ///< probability of being within 0.1 m and 3 deg; empty for methods without calibration
   std::vector<double> features;  ///< what the confidence was computed from, see confidence.hpp; empty without one
   double overlap = 0.0;          ///< share of the scan's hits that found a partner, 0..1
+  double violation = 0.0;        ///< share of the hits of both where the other scan looked through, 0..1 (fft-mh)
   std::vector<MatchAlternative> alternatives;  ///< best first, without T_ref_scan itself
   RotationSource rotation_source = RotationSource::kNone;
   int iterations = 0;  ///< of the refinement

@@ -13,12 +13,14 @@
 #include "phasescan/slam/keyframe.hpp"
 #include "phasescan/slam/loop.hpp"
 #include "phasescan/slam/options.hpp"
+#include "phasescan/slam/place_search.hpp"
 
 namespace phasescan {
 
 /// How many loops there were.
 struct LoopCounts {
   std::size_t compared = 0;  ///< pairs of visits that were matched
+  std::size_t places = 0;    ///< found by what they look like, before they were compared
   std::size_t found = 0;     ///< matches good enough to be a loop
   std::size_t accepted = 0;  ///< in the graph at the end
   std::size_t undone = 0;    ///< once accepted, taken out again because the graph contradicts them
@@ -53,10 +55,15 @@ class Backend {
   void add_keyframe(Keyframe keyframe);
   bool locate(const Keyframe& keyframe);
   void find_loops(int node);
-  std::optional<Loop> compare(int from, int to, double uncertainty_m);
+  void find_places(int node);
+  void believe(const Loop& loop);
+  std::optional<Loop> compare(int from, int to, const Pose2& T_world_to, double uncertainty_m);
   std::vector<int> nearby_visits(int node, int max_other_end) const;
   void add_loop_edge(const Loop& loop);
   void optimize(int max_iterations);
+  /// Loops that agree and ask for a large correction are past the reach of the robust kernel. The graph is drawn there
+  /// without it; where that asks more of odometry's steps than they can be off, they are taken out again.
+  void bend_to_large_loops();
   void undo_contradicted();
   void rematch_all();
   const LocalMap& visit_map(int anchor);
@@ -77,6 +84,9 @@ class Backend {
   Pose2 T_odom_last_;  // of the keyframe handed in last
   std::vector<Keyframe> keyframes_;
   LoopJudge judge_;
+  PlaceSearch places_;
+  double way_of_place_m_ = 0.0;  // way_m_ where a place looked as the map has it
+  std::vector<double> way_m_;    // of each node: driven since the start, breaks of tracking counted as a long way
   LoopCounts counts_;
   std::vector<std::pair<int, std::unique_ptr<LocalMap>>> map_cache_;
   std::size_t next_cached_ = 0;
@@ -85,7 +95,8 @@ class Backend {
   int nodes_at_optimize_ = 0;
   std::size_t new_edges_ = 0;
   bool large_correction_ = false;
-  double since_loop_m_ = 0.0;  // way since the last loop that was believed
+  std::vector<int> large_loops_;  // edges that the next optimisation has to bend the graph to
+  double since_loop_m_ = 0.0;     // way since the last loop that was believed
 };
 
 }  // namespace phasescan

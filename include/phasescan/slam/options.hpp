@@ -19,6 +19,10 @@ struct LoopOptions {
   double agree_m = 0.2;
   double agree_deg = 2.5;
   double undo_chi2 = 30.0;
+  bool places = true;
+  double places_after_m = 5.0;
+  int place_candidates = 2;
+  double most_drift = 0.2;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -37,6 +41,14 @@ struct LoopOptions {
     v("agree_deg", self.agree_deg, OptionInfo{"deg", "the same for their turn", 0, 45});
     v("undo_chi2", self.undo_chi2,
       OptionInfo{"", "a loop that fits the graph worse than this is taken out again", 1, 1e6});
+    v("places", self.places,
+      OptionInfo{"", "look for places seen before by what they look like as well, wherever the map has them"});
+    v("places_after_m", self.places_after_m,
+      OptionInfo{"m", "way since a place last looked as the map has it after which that is done", 0, 1e6});
+    v("place_candidates", self.place_candidates,
+      OptionInfo{"", "earlier places that a new keyframe is matched with, no guess given", 1, 20});
+    v("most_drift", self.most_drift,
+      OptionInfo{"", "metres by which a place found so may move the map, for each metre of the way since", 0, 10});
   }
 };
 

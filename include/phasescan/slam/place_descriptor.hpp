@@ -1,4 +1,4 @@
-/// A place in 96 small numbers that do not change when the robot turns, and hardly when it moves a little.
+/// A place in 160 small numbers that do not change when the robot turns, and hardly when it moves a little.
 #pragma once
 
 #include <array>
@@ -11,12 +11,13 @@ namespace phasescan {
 
 inline constexpr std::size_t kPlaceRings = 24, kPlaceHarmonics = 12;
 inline constexpr std::size_t kPlaceFeatures = kPlaceRings * kPlaceHarmonics;
-inline constexpr std::size_t kDescriptorSize = 96;
+inline constexpr std::size_t kDescriptorSize = 160;
 
 /// Rotation-invariant features, ring by ring; their mean is 1.
 using PlaceFeatures = std::array<float, kPlaceFeatures>;
 
 /// 8 bits a number: what the index keeps. Squared distances between descriptors compare places.
+inline constexpr float kDescriptorLength = 200.0F;
 using PlaceDescriptor = std::array<std::int8_t, kDescriptorSize>;
 
 /// Computes descriptors. Owns FFT buffers: one object per thread.
@@ -35,9 +36,9 @@ class PlaceDescriber {
   /// @return  false without a hit; all features are 0 then
   bool features(std::span<const float> x, std::span<const float> y, PlaceFeatures& out);
 
-  /// The features along the 96 directions in which different places differ most, measured by how much views of one
+  /// The features along the 160 directions in which different places differ most, measured by how much views of one
   /// place from within a metre do (linear discriminant fitted on simulated buildings by `phasescan bench retrieval
-  /// --fit`). All zero without a hit.
+  /// --fit`), as a vector of length kDescriptorLength. All zero without a hit.
   /// @cost one 128 x 128 FFT and about 40 us
   PlaceDescriptor describe(std::span<const float> x, std::span<const float> y);
 

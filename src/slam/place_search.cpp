@@ -1,0 +1,104 @@
+#include "phasescan/slam/place_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "phasescan/match/scan_matcher.hpp"
+#include "phasescan/scan/points.hpp"
+#include "phasescan/slam/place_check.hpp"
+#include "phasescan/slam/place_index.hpp"
+
+namespace phasescan {
+namespace {
+
+constexpr int kBeams = 360;
+constexpr int kViewNodes = 6;        // keyframes before it that a view is made of as well
+constexpr int kEvery = 2;            // keyframes to a view
+constexpr int kVisitNodes = 10;      // views nearer to each other than this are one visit
+constexpr std::size_t kLooked = 12;  // descriptors looked at for candidates
+constexpr double kMostSigmaM = 0.1;  // of a pose that counts as known in both directions
+// Squared distance of descriptors beyond which they are of different places.
+constexpr auto kMostDistance = static_cast<std::uint32_t>(1.3 * kDescriptorLength * kDescriptorLength);
+
+double most_sigma(const Eigen::Matrix3d& covariance) {
+  const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
+  return std::sqrt(0.5 * (covariance(0, 0) + covariance(1, 1)) + std::hypot(half, covariance(0, 1)));
+}
+
+}  // namespace
+
+Scan view_at(std::span<const Keyframe> keyframes, std::span<const Pose2> poses, int node, int back) {
+  std::vector<float> nearest(kBeams, 0.0F);
+  const Pose2 T_node_world = poses[static_cast<std::size_t>(node)].inverse();
+  for (int k = node; k >= std::max(0, node - back); --k) {
+    const Keyframe& keyframe = keyframes[static_cast<std::size_t>(k)];
+    const Pose2 T_node_k = T_node_world * poses[static_cast<std::size_t>(k)];
+    const auto c = static_cast<float>(std::cos(T_node_k.theta)), s = static_cast<float>(std::sin(T_node_k.theta));
+    const auto tx = static_cast<float>(T_node_k.x), ty = static_cast<float>(T_node_k.y);
+    const MapPoints& points = *keyframe.points;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const float x = c * points.x[i] - s * points.y[i] + tx, y = s * points.x[i] + c * points.y[i] + ty;
+      const auto degrees = static_cast<int>(std::lround(rad_to_deg(std::atan2(y, x))));
+      float& range = nearest[static_cast<std::size_t>((degrees + kBeams) % kBeams)];
+      const float here = std::hypot(x, y);
+      if (range == 0.0F || here < range) range = here;
+    }
+    if (keyframe.new_segment) break;
+  }
+  for (float& range : nearest) {
+    // Nothing is known there; a beam that is too near to tell says nothing of what stands farther off either.
+    if (range == 0.0F) range = -std::numeric_limits<float>::infinity();
+  }
+  return make_scan(nearest, {0.0, kTwoPi / kBeams, 0.0, 0.0});
+}
+
+struct PlaceSearch::Impl {
+  LoopOptions options;
+  PlaceDescriber describer;
+  PlaceIndex index;
+  ScanMatcher matcher;
+  ScanPoints points;
+  std::vector<int> nodes;  // of the places in the index
+  std::size_t matched = 0;
+};
+
+PlaceSearch::PlaceSearch(const LoopOptions& options) : impl_(std::make_unique<Impl>()) {
+  impl_->options = options;
+}
+PlaceSearch::~PlaceSearch() = default;
+PlaceSearch::PlaceSearch(PlaceSearch&&) noexcept = default;
+
+std::size_t PlaceSearch::matched() const {
+  return impl_->matched;
+}
+
+std::vector<PlaceMatch> PlaceSearch::add(std::span<const Keyframe> keyframes, std::span<const Pose2> poses,
+                                         bool search) {
+  Impl& m = *impl_;
+  std::vector<PlaceMatch> found;
+  const int node = static_cast<int>(keyframes.size()) - 1;
+  if (node < 0 || node % kEvery != 0) return found;
+  const Scan view = view_at(keyframes, poses, node, kViewNodes);
+  scan_to_points(view, m.points);
+  const PlaceDescriptor descriptor = m.describer.describe(m.points.x, m.points.y);
+  m.index.add(descriptor);
+  m.nodes.push_back(node);
+  if (!search) return found;
+  const auto old = std::upper_bound(m.nodes.begin(), m.nodes.end(), node - m.options.min_nodes_apart);
+  if (old == m.nodes.begin()) return found;
+  std::vector<int> visits;
+  for (const PlaceHit& hit : m.index.nearest(descriptor, kLooked, static_cast<std::size_t>(old - m.nodes.begin()))) {
+    const int other = m.nodes[hit.place];
+    if (hit.distance > kMostDistance || visits.size() >= static_cast<std::size_t>(m.options.place_candidates)) break;
+    if (std::any_of(visits.begin(), visits.end(), [&](int v) { return std::abs(v - other) < kVisitNodes; })) continue;
+    visits.push_back(other);
+    ++m.matched;
+    const MatchResult match = m.matcher.match(view_at(keyframes, poses, other, kViewNodes), view);
+    if (is_same_place(match) && most_sigma(match.covariance) < kMostSigmaM) found.push_back({other, match.T_ref_scan});
+  }
+  return found;
+}
+
+}  // namespace phasescan
