@@ -20,7 +20,7 @@ constexpr int kVisitNodes = 10;      // views nearer to each other than this are
 constexpr std::size_t kLooked = 12;  // descriptors looked at for candidates
 constexpr double kMostSigmaM = 0.1;  // of a pose that counts as known in both directions
 // Squared distance of descriptors beyond which they are of different places.
-constexpr auto kMostDistance = static_cast<std::uint32_t>(1.3 * kDescriptorLength * kDescriptorLength);
+constexpr auto kMostDistance = static_cast<std::uint32_t>(1.0 * kDescriptorLength * kDescriptorLength);
 
 double most_sigma(const Eigen::Matrix3d& covariance) {
   const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));

@@ -6,7 +6,7 @@
 namespace phasescan {
 
 /// Share of the hits that may lie where the other scan looked through.
-inline constexpr double kMostViolation = 0.05;
+inline constexpr double kMostViolation = 0.04;
 
 /// Stricter than `usable`, which is made for two scans that have something to do with each other: of many places one
 /// looks alike by chance, with walls that fit and a confidence near 1. What it cannot hide are hits where the other
