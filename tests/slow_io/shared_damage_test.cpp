@@ -67,7 +67,7 @@ TEST(SharedDamage, Folders) {
       sample.name = name + file;
       sample.bytes = read_bytes(from + file);
       // A database's tables lie scattered over its pages: what can be read of half a file only the file can tell.
-      sample.scans_before = [n = sample.bytes.size(), scans](std::size_t at) { return at == n ? scans : 0; };
+      sample.scans_before = [n = sample.bytes.size(), count = scans](std::size_t at) { return at == n ? count : 0; };
       report(sample, damage_everywhere(sample, places(sample.bytes.size()), dir.path() + file, dir.path()));
       write_bytes(dir.path() + file, sample.bytes);
     }
