@@ -49,7 +49,7 @@ std::string Table::markdown() const {
 }
 
 std::string Table::html() const {
-  std::string out;  // the caption stands outside of what scrolls
+  std::string out = "<div>\n";  // the caption stands outside of what scrolls
   if (!caption.empty()) out += fmt::format("<p class=\"caption\">{}</p>\n", xml_escape(caption));
   out += "<div class=\"table\"><table>\n";
   const auto line = [&](const std::vector<std::string>& cells, const char* tag) {
@@ -62,7 +62,7 @@ std::string Table::html() const {
   };
   line(header, "th");
   for (const std::vector<std::string>& row : rows) line(row, "td");
-  return out + "</table></div>\n";
+  return out + "</table></div>\n</div>\n";
 }
 
 }  // namespace phasescan
