@@ -18,7 +18,7 @@ constexpr int kSettleAttempts = 2;     // slides along the weakest direction tha
 constexpr double kSureScore = 0.25, kSureMargin = 0.15;  // below either a few rotations are not enough
 constexpr double kWorthASlide = 0.01;  // by so much the score must be better there
 // Lengths as shares of the scale (about 6 m for an RPLidar A1), from the coarse cell down.
-constexpr double kQuickGateStart = 0.075, kMiddleGateStart = 0.05, kFineGateStart = 0.04, kGateEnd = 0.02;
+constexpr double kQuickGateStart = 0.075, kMiddleGateStart = 0.05, kFineGateStart = 0.033, kGateEnd = 0.02;
 constexpr double kQuickSlack = 0.01, kFineSlack = 0.0015;
 constexpr double kDistinct = 0.02, kDistinctLeast_m = 0.05, kDistinctTurn_deg = 4.0;
 
@@ -201,7 +201,7 @@ void MultiHypothesisSearch::settle(const PreparedScan& reference, const Prepared
   PointToLineOptions fine;
   fine.gate_start_m = kFineGateStart * scale;
   fine.gate_end_m = kGateEnd * scale;
-  fine.max_iterations = !options_.refinement ? 0 : options_.fine_refinement ? 4 : 2;
+  fine.max_iterations = !options_.refinement ? 0 : options_.fine_refinement ? 3 : 2;
   const SurfaceBatch& of_scan = options_.fine_refinement ? scan.all : scan.middle;
   const SurfaceBatch& of_ref = options_.fine_refinement ? reference.all : reference.middle;
   const auto weigh = [&](const Pose2& pose) {

@@ -59,8 +59,7 @@ void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& o
   out.sparse.fill(out.surface, work.indices);
   sample_evenly(out.surface, options.middle_points, work.indices);
   out.middle.fill(out.surface, work.indices);
-  sample_evenly(out.surface, static_cast<int>(out.surface.size()), work.indices);
-  out.all.fill(out.surface, work.indices);
+  out.all.fill(out.surface);
   if (options.with_missing) work.missing.find(scan, 0.0, deg_to_rad(MissingOptions{}.min_width_deg), out.missing);
   if (options.with_table) out.table.build(out.surface, out.bearings, out.scale_m, options.values);
 }

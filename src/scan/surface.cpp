@@ -1,7 +1,10 @@
 #include "phasescan/scan/surface.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 
 namespace phasescan {
@@ -16,11 +19,29 @@ constexpr int kLonger = 4;
 constexpr double kStraight = 1.0;  // of the expected variance across the line: a longer line must fit this well
 constexpr double kLeastCosine = 0.1;  // a beam along a wall is not as good as its noise across it says
 
+// The nth smallest of values that are not negative; changes their order. A count by leading bits finds the few that are
+// worth a sort.
+float nth_smallest(std::vector<float>& values, std::size_t nth) {
+  constexpr int kShift = 20, kFirst = 110 << 3, kBuckets = 256;  // eighths of octaves from 8e-6 to 3e4
+  const auto bucket_of = [](float value) {
+    return std::clamp(static_cast<int>(std::bit_cast<std::uint32_t>(value) >> kShift) - kFirst, 0, kBuckets - 1);
+  };
+  std::array<std::uint32_t, kBuckets> counts{};
+  for (const float value : values) ++counts[static_cast<std::size_t>(bucket_of(value))];
+  int bucket = 0;
+  for (std::size_t k = 0; nth >= counts[k]; ++k, ++bucket) nth -= counts[k];
+  std::size_t kept = 0;
+  for (const float value : values) {
+    values[kept] = value;
+    kept += bucket_of(value) == bucket;
+  }
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(nth);
+  std::nth_element(values.begin(), at, values.begin() + static_cast<std::ptrdiff_t>(kept));
+  return *at;
+}
+
 double median_of(std::vector<float>& values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return static_cast<double>(*middle);
+  return values.empty() ? 0.0 : static_cast<double>(nth_smallest(values, values.size() / 2));
 }
 
 void directions(const Scan& scan, SurfaceWorkspace& work) {
@@ -232,25 +253,6 @@ void find_normals(double spacing, SurfaceWorkspace& work, SurfacePoints& out) {
 
 }  // namespace
 
-void SurfaceBatch::fill(const SurfacePoints& surface, std::span<const int> indices) {
-  count = indices.size();
-  const std::size_t size = (count + kPadding - 1) / kPadding * kPadding;
-  for (auto* v : {&x, &y, &nx, &ny, &length, &variance, &sigma, &weight}) v->resize(size);
-  for (std::size_t k = 0; k < size; ++k) {
-    const bool real = k < count;
-    const auto i = real ? static_cast<std::size_t>(indices[k]) : 0;
-    const SurfacePoint point = real ? surface[i] : SurfacePoint{};
-    x[k] = point.x;
-    y[k] = point.y;
-    nx[k] = point.nx;
-    ny[k] = point.ny;
-    length[k] = real ? point.length : 1.0F;
-    variance[k] = real ? point.variance : 1.0F;
-    sigma[k] = real ? surface.sigma[i] : 1.0F;
-    weight[k] = real ? 1.0F : 0.0F;
-  }
-}
-
 void sort_beams(const Scan& scan, SurfaceWorkspace& work) {
   const std::size_t n = scan.size();
   work.angle.resize(n);
@@ -284,9 +286,7 @@ void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work,
   out.extent = 0.0;
   if (n > 0) {
     work.scratch.assign(out.range.begin(), out.range.end());
-    const auto at = work.scratch.begin() + static_cast<std::ptrdiff_t>((95 * (n - 1)) / 100);
-    std::nth_element(work.scratch.begin(), at, work.scratch.end());
-    out.extent = static_cast<double>(*at);
+    out.extent = static_cast<double>(nth_smallest(work.scratch, (95 * (n - 1)) / 100));
   }
   out.noise = estimate_noise(out, work);
   for (std::size_t i = 0; i < n; ++i) out.sigma[i] = out.noise.sigma(out.range[i]);

@@ -60,15 +60,15 @@ struct MhOptions {
       OptionInfo{"", "each hit weighs as its noise and incidence deserve; off: all alike"});
   }
 
-  /// The same options for `match.fast`: fewer rotations, poses and hits.
+  /// The same options for `match.fast`: fewer poses and hits.
   MhOptions fast() const {
     MhOptions options = *this;
-    options.rotations = RotationSearch::kNormals;
     options.sparse_points = 48;
     options.middle_points = 96;
-    options.candidates = 3;
+    options.candidates = 4;
     options.finalists = 2;
     options.twins = false;
+    options.fine_refinement = false;
     return options;
   }
 };

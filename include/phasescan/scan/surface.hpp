@@ -56,6 +56,12 @@ struct SurfaceBatch {
   std::size_t padded() const { return x.size(); }
   /// Copies the hits named by `indices`. @cost O(indices)
   void fill(const SurfacePoints& surface, std::span<const int> indices);
+  /// Copies all hits.
+  void fill(const SurfacePoints& surface);
+
+ private:
+  void resize(std::size_t hits);
+  void put(std::size_t k, const SurfacePoint& point, float point_sigma);
 };
 
 /// Buffers of `find_surface`, kept between calls.
