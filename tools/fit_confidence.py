@@ -2,8 +2,9 @@
 """Fits the constants of the confidence (src/match/confidence.cpp) and says what they are worth on data left out.
 
     phasescan bench --sim bench-honesty --count 20000 --seed 7 --method fft-mh --out out/fit --features out/fit/sim.csv
+    phasescan bench --sim bench-doubt --count 4000 --method fft-mh --out out/fit --features out/fit/doubt.csv
     phasescan bench --pairs PAIRS... --method fft-mh --out out/fit --features out/fit/real.csv
-    tools/fit_confidence.py --sim out/fit/sim.csv --real out/fit/real.csv
+    tools/fit_confidence.py --sim out/fit/sim.csv out/fit/doubt.csv --real out/fit/real.csv
 
 prints, as Markdown: the constants fitted on everything; every recorded file left out of the fit and judged by the rest;
 all recorded files judged by constants fitted on simulated pairs alone; and what the program that wrote the tables said

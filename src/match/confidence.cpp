@@ -8,7 +8,7 @@ namespace phasescan {
 namespace {
 
 constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{
-    2.137, -2.125, 1.314, 0.510, -1.134, -0.457, -3.572, -0.821, 1.903, 6.326, 1.960, 11.151, 2.252};
+    -4.831, -3.643, 1.006, 0.221, -3.277, -0.602, -3.171, 6.929, 7.839, 8.800, 6.822, 11.478, 1.173};
 
 constexpr double kMostVariance = 1e6;
 // The information counts every matched beam at its kernel's weight and so understates what the rest says; set so that
