@@ -12,11 +12,11 @@ namespace phasescan {
 namespace {
 
 constexpr int kWindow = CorrelationWindow::kWindow;
-constexpr int kPeakCells = 3;          // a second translation of one rotation is farther than this from the first
-constexpr double kTwinShare = 0.85;    // of the best coarse sum: worth a closer look
-constexpr int kSettleAttempts = 2;     // slides along the weakest direction that are followed
+constexpr int kPeakCells = 3;        // a second translation of one rotation is farther than this from the first
+constexpr double kTwinShare = 0.85;  // of the best coarse sum: worth a closer look
+constexpr int kSettleAttempts = 2;   // slides along the weakest direction that are followed
 constexpr double kSureScore = 0.25, kSureMargin = 0.15;  // below either a few rotations are not enough
-constexpr double kWorthASlide = 0.01;  // by so much the score must be better there
+constexpr double kWorthASlide = 0.01;                    // by so much the score must be better there
 // Lengths as shares of the scale (about 6 m for an RPLidar A1), from the coarse cell down.
 constexpr double kQuickGateStart = 0.075, kMiddleGateStart = 0.05, kFineGateStart = 0.033, kGateEnd = 0.02;
 constexpr double kQuickSlack = 0.01, kFineSlack = 0.0015;
@@ -256,9 +256,8 @@ void MultiHypothesisSearch::look(const PreparedScan& reference, const PreparedSc
 // Whether the best of kept_ explains the scans well, and clearly better than the next distinct one.
 bool MultiHypothesisSearch::convinces(const PreparedScan& reference) const {
   if (kept_.empty()) return false;
-  const Hypothesis& best = *std::max_element(kept_.begin(), kept_.end(), [](const Hypothesis& a, const Hypothesis& b) {
-    return a.score < b.score;
-  });
+  const Hypothesis& best = *std::max_element(
+      kept_.begin(), kept_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.score < b.score; });
   const double metres = std::max(kDistinct * reference.scale_m, kDistinctLeast_m);
   return best.score >= kSureScore && std::none_of(kept_.begin(), kept_.end(), [&](const Hypothesis& h) {
            return h.score > best.score - kSureMargin &&

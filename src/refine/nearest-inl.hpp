@@ -36,8 +36,9 @@ HWY_INLINE void TakeNearer(DF df, const float* points, VI at, VF qx, VF qy, VI& 
   distance2 = hn::Min(d, distance2);
 }
 
-// Index of the nearest of the grid's answer and its two neighbours on either side; `found` says where there is one. Each
-// of `walks` goes on from there along the surface, as long as it gets nearer: in wide places many points share a cell.
+// Index of the nearest of the grid's answer and its two neighbours on either side; `found` says where there is one.
+// Each of `walks` goes on from there along the surface, as long as it gets nearer: in wide places many points share a
+// cell.
 template <class DF, class VF = hn::Vec<DF>, class VI = hn::Vec<hn::RebindToSigned<DF>>, class M = hn::Mask<DF>>
 HWY_INLINE VI FindNearest(DF df, const NearestGrid::View& grid, const float* points, int last, VF qx, VF qy, M& found,
                           VF& distance2, int walks = 0) {

@@ -26,14 +26,13 @@ PointToLineResult refine_point_to_line(const SurfaceModel& reference, const Surf
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     const bool last_gate = gate <= options.gate_end_m;
     const PartnerGate partner_gate{gate, last_gate ? 0.0 : 0.15 * gate, options.min_normal_cosine};
-    equations = 
-        point_to_line_equations(reference, of_scan, result.T_ref_scan, partner_gate, last_gate ? &in_reference : nullptr);
+    equations = point_to_line_equations(reference, of_scan, result.T_ref_scan, partner_gate,
+                                        last_gate ? &in_reference : nullptr);
     result.partners = equations.partners;
     if (of_ref != nullptr) {
-      const NormalEquations back = about_inverse(
-          point_to_line_equations(scan, *of_ref, result.T_ref_scan.inverse(), partner_gate,
-                                  last_gate ? &in_scan : nullptr),
-          result.T_ref_scan);
+      const NormalEquations back = about_inverse(point_to_line_equations(scan, *of_ref, result.T_ref_scan.inverse(),
+                                                                         partner_gate, last_gate ? &in_scan : nullptr),
+                                                 result.T_ref_scan);
       equations.H += back.H;
       equations.g += back.g;
       equations.normal_noise += back.normal_noise;

@@ -62,8 +62,9 @@ void normal_peaks(const NormalCorrelation& correlation, int count, std::vector<d
     const float after = correlation[static_cast<std::size_t>((k + 1) % kBins)];
     if (here > 0.0F && here >= before && here > after) peaks[found++] = {here, k};
   }
-  std::sort(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(found),
-            [](const auto& a, const auto& b) { return a.first > b.first || (a.first == b.first && a.second < b.second); });
+  std::sort(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(found), [](const auto& a, const auto& b) {
+    return a.first > b.first || (a.first == b.first && a.second < b.second);
+  });
   angles.reserve(kBins);
   angles.clear();
   for (std::size_t p = 0; p < std::min(found, static_cast<std::size_t>(count)); ++p) {

@@ -16,7 +16,7 @@ constexpr int kMaxHalfWindow = 48;
 // A line is fitted this far to either side, short enough for furniture, and farther where the wall runs on.
 constexpr double kReachShare = 0.007, kReachSigmas = 1.0;  // of the extent; of the range noise
 constexpr int kLonger = 4;
-constexpr double kStraight = 1.0;  // of the expected variance across the line: a longer line must fit this well
+constexpr double kStraight = 1.0;     // of the expected variance across the line: a longer line must fit this well
 constexpr double kLeastCosine = 0.1;  // a beam along a wall is not as good as its noise across it says
 
 // The nth smallest of values that are not negative; changes their order. A count by leading bits finds the few that are

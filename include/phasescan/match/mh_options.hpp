@@ -5,8 +5,9 @@
 
 namespace phasescan {
 
-/// Where rotation hypotheses come from. `sweep` is complete; `automatic` tries those of the normals and sweeps where what
-/// they lead to does not convince; the others name a few and fall back to the sweep only when they cannot name any.
+/// Where rotation hypotheses come from. `sweep` is complete; `automatic` tries those of the normals and sweeps where
+/// what they lead to does not convince; the others name a few and fall back to the sweep only when they cannot name
+/// any.
 enum class RotationSearch { kAutomatic, kSweep, kNormals, kSpectrum, kMissing };
 template <>
 std::span<const std::string_view> enum_names<RotationSearch>();
@@ -32,7 +33,8 @@ struct MhOptions {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("rotations", self.rotations, OptionInfo{"", "auto (normals, then sweep if in doubt), sweep (complete), normals, spectrum or missing"});
+    v("rotations", self.rotations,
+      OptionInfo{"", "auto (normals, then sweep if in doubt), sweep (complete), normals, spectrum or missing"});
     v("rotation_peaks", self.rotation_peaks,
       OptionInfo{"", "rotations taken from normals or spectrum (each with its twin)", 1, 64});
     v("sweep_step_deg", self.sweep_step_deg,
