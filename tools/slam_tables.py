@@ -69,5 +69,16 @@ def memory(rows, _):
                       r["bytes_per_scan"], number(r["end_off_m"], 3), r["cpu_ms_per_scan"]] for r in rows], 0)
 
 
+def retrieval(rows, _):
+    table = []
+    for r in rows:
+        checked = r["verified"] > 0
+        table.append([r["places"], r["queries"], number(100 * r["recall_at_1"], 1), number(100 * r["recall_at_10"], 1),
+                      "-" if checked else number(r["query_us_p50"], 1), number(r["describe_us"], 1),
+                      f"{r['verified_found']} of {r['verified']}" if checked else "-", r["verified_wrong"] if checked else "-"])
+    return markdown(["places", "queries", "recall@1 [%]", "recall@10 [%]", "a query, p50 [us]", "a descriptor [us]", "found and verified",
+                     "wrong and verified"], table, 0)
+
+
 KINDS = {"slam-relations": relations, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same,
-         "slam-memory": memory}
+         "slam-retrieval": retrieval, "slam-memory": memory}
