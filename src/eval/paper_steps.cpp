@@ -14,11 +14,6 @@ namespace {
 
 constexpr std::size_t kSearched = 600;
 
-std::string error_text(const Pose2& pose, const Pose2& truth) {
-  return fmt::format("error {} m, {} deg", plain_number(translation_distance(pose, truth), 3),
-                     plain_number(rad_to_deg(angle_distance(pose.theta, truth.theta)), 2));
-}
-
 bool is_right(const Pose2& pose, const Pose2& truth) {
   return translation_distance(pose, truth) < kSuccessTranslation_m &&
          angle_distance(pose.theta, truth.theta) < deg_to_rad(kSuccessRotation_deg);

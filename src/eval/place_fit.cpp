@@ -17,7 +17,7 @@ namespace {
 constexpr auto kF = static_cast<Eigen::Index>(kPlaceFeatures);
 constexpr auto kD = static_cast<Eigen::Index>(kDescriptorSize);
 constexpr double kRidge = 0.01;  // of the variance within a place
-constexpr std::size_t kBlock = 512;
+constexpr std::size_t kPairsAtOnce = 512;
 
 struct Kind {
   sim::WorldKind world;
@@ -48,7 +48,7 @@ Scatter scatter_of(sim::WorldKind world, std::uint64_t seed, std::size_t places,
   PlaceDescriber describer;
   ScanPoints points;
   Scatter out;
-  Eigen::MatrixXd differences(kF, kBlock), values(kF, kBlock);
+  Eigen::MatrixXd differences(kF, kPairsAtOnce), values(kF, kPairsAtOnce);
   std::size_t n = 0;
   Eigen::Index filled = 0;
   const auto take_in = [&] {
@@ -63,7 +63,7 @@ Scatter scatter_of(sim::WorldKind world, std::uint64_t seed, std::size_t places,
       values.col(filled) = features_of(describer, place.scan, points).cast<double>();
       differences.col(filled) = features_of(describer, place.query, points).cast<double>() - values.col(filled);
       ++n;
-      if (++filled == static_cast<Eigen::Index>(kBlock)) take_in();
+      if (++filled == static_cast<Eigen::Index>(kPairsAtOnce)) take_in();
       if (progress) progress(n);
     }
   }

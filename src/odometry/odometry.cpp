@@ -14,7 +14,6 @@ namespace {
 constexpr std::size_t kProbePoints = 64;  // points of the quick look that chooses among predictions
 constexpr double kStillM = 0.006, kStillRad = 0.003;
 constexpr double kMinUsualShare = 0.75;  // a prediction that explains less than this of what is usual is widened
-constexpr double kSlow = 0.95;           // weight of the past in what is usual
 constexpr std::size_t kMinPoints = 12;
 constexpr double kLeastTrust = 0.6;  // wheels that agreed less often lately are not heard
 constexpr double kContradiction =

@@ -13,7 +13,6 @@ constexpr std::size_t kFinalPoints = 150;  // points that judge a finished match
 constexpr double kMinFinalShare = 0.85;    // a match that explains less than this of what is usual is doubted
 constexpr double kFallShare = 0.7;         // one that explains less than this even after a look around asks for help
 constexpr double kClearlyBetter = 0.04;    // by so much of its score another pose must be better to be taken instead
-constexpr double kSlow = 0.95;             // weight of the past in what is usual
 
 std::size_t judging_stride(const MapPoints& points) {
   return std::max<std::size_t>(1, points.size() / kFinalPoints);

@@ -8,7 +8,7 @@
 namespace phasescan {
 namespace {
 
-constexpr int kWindow = 5;            // beams to either side
+constexpr int kBeamsAside = 5;        // beams to either side
 constexpr float kReach = 0.3F;        // [m] around the point
 constexpr double kLeastSigma = 0.01;  // [m]
 constexpr double kPlainInflation = 4.0;
@@ -18,7 +18,7 @@ std::optional<Eigen::Vector2d> surface_normal(const ScanPoints& points, int at) 
   const int n = static_cast<int>(points.size());
   const auto i = static_cast<std::size_t>(at);
   double count = 0.0, sx = 0.0, sy = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
-  for (int k = std::max(0, at - kWindow); k <= std::min(n - 1, at + kWindow); ++k) {
+  for (int k = std::max(0, at - kBeamsAside); k <= std::min(n - 1, at + kBeamsAside); ++k) {
     const auto j = static_cast<std::size_t>(k);
     const float dx = points.x[j] - points.x[i], dy = points.y[j] - points.y[i];
     if (dx * dx + dy * dy > kReach * kReach) continue;

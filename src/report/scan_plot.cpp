@@ -50,12 +50,12 @@ double extent(const Series& s) {
   return std::max({*x1 - *x0, *y1 - *y0, 1.0});
 }
 
+}  // namespace
+
 std::string error_text(const Pose2& T_ref_scan, const Pose2& truth) {
   return fmt::format("error {:.3f} m, {:.2f} deg", translation_distance(T_ref_scan, truth),
                      rad_to_deg(angle_distance(T_ref_scan.theta, truth.theta)));
 }
-
-}  // namespace
 
 std::string pose_text(const Pose2& pose) {
   return fmt::format("x {} m, y {} m, {} deg", plain_number(pose.x, 3), plain_number(pose.y, 3),

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kReorderedS = 1.0;  // stamps that go back by less are loggers' disorder, by more a broken clock
 constexpr double kGapS = 10.0;
-constexpr double kJumpM = 2.0, kJumpRad = 2.0, kFastestMps = 3.0,
+constexpr double kLeapM = 2.0, kLeapRad = 2.0, kFastestMps = 3.0,
                  kTurnPauseS = 1.0;  // what a robot may do between two scans
 
 std::size_t fingerprint_of(const Scan& scan) {
@@ -67,8 +67,8 @@ bool InputCheck::add(const Scan& scan, const std::string& laser, const std::opti
   if (odometry && odometry_) {
     const Pose2 step = odometry_->inverse() * *odometry;
     const double pause_s = std::max(0.0, stamp_to_seconds(scan.stamp - odometry_stamp_));
-    if (std::hypot(step.x, step.y) > kJumpM + kFastestMps * pause_s ||
-        (std::abs(step.theta) > kJumpRad && pause_s < kTurnPauseS)) {
+    if (std::hypot(step.x, step.y) > kLeapM + kFastestMps * pause_s ||
+        (std::abs(step.theta) > kLeapRad && pause_s < kTurnPauseS)) {
       note("odometry jump", true,
            where + ": odometry jumps by " + std::to_string(std::llround(100.0 * std::hypot(step.x, step.y))) +
                " cm; it is not followed");

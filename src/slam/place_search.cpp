@@ -16,7 +16,7 @@ namespace {
 constexpr int kBeams = 360;
 constexpr int kViewNodes = 6;        // keyframes before it that a view is made of as well
 constexpr int kEvery = 2;            // keyframes to a view
-constexpr int kVisitNodes = 10;      // views nearer to each other than this are one visit
+constexpr int kVisitViews = 10;      // views nearer to each other than this are one visit
 constexpr std::size_t kLooked = 12;  // descriptors looked at for candidates
 constexpr double kMostSigmaM = 0.1;  // of a pose that counts as known in both directions
 // Squared distance of descriptors beyond which they are of different places.
@@ -92,7 +92,7 @@ std::vector<PlaceMatch> PlaceSearch::add(std::span<const Keyframe> keyframes, st
   for (const PlaceHit& hit : m.index.nearest(descriptor, kLooked, static_cast<std::size_t>(old - m.nodes.begin()))) {
     const int other = m.nodes[hit.place];
     if (hit.distance > kMostDistance || visits.size() >= static_cast<std::size_t>(m.options.place_candidates)) break;
-    if (std::any_of(visits.begin(), visits.end(), [&](int v) { return std::abs(v - other) < kVisitNodes; })) continue;
+    if (std::any_of(visits.begin(), visits.end(), [&](int v) { return std::abs(v - other) < kVisitViews; })) continue;
     visits.push_back(other);
     ++m.matched;
     const MatchResult match = m.matcher.match(view_at(keyframes, poses, other, kViewNodes), view);

@@ -54,6 +54,7 @@ class Odometry {
   const ScanClock& clock() const { return clock_; }
 
  private:
+  static constexpr double kSlow = 0.95;  // weight of the past in what is usual
   struct WindowFrame {
     std::shared_ptr<const MapPoints> points;
     Pose2 T_odom_base;

@@ -21,6 +21,9 @@ std::string scan_pair_svg(const Scan& reference, const Scan& scan, const MatchRe
                           const std::optional<Pose2>& truth = {}, const Pose2& guess = {},
                           const std::string& title = {});
 
+/// How far a pose is from the truth: "error 0.041 m, 0.23 deg".
+std::string error_text(const Pose2& T_ref_scan, const Pose2& truth);
+
 /// "x 0.412 m, y -0.103 m, 20.4 deg".
 std::string pose_text(const Pose2& pose);
 
