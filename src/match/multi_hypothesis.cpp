@@ -32,6 +32,11 @@ Pose2 shifted(const Pose2& centre, const ScoreTable& table, const CorrelationPea
   return {centre.x + cell * (peak.column - kWindow / 2), centre.y + cell * (peak.row - kWindow / 2), centre.theta};
 }
 
+// Whether both poses are one answer in a place of that scale.
+bool same_answer(const Pose2& a, const Pose2& b, double scale_m) {
+  return same_pose(a, b, std::max(kDistinct * scale_m, kDistinctLeast_m), deg_to_rad(kDistinctTurn_deg));
+}
+
 // Total orders, so that equals come out alike whatever the sort.
 bool precedes(const Pose2& a, const Pose2& b) {
   return std::tie(a.theta, a.x, a.y) < std::tie(b.theta, b.x, b.y);
@@ -165,10 +170,9 @@ void MultiHypothesisSearch::sort_distinct(std::vector<Hypothesis>& all, double s
                                           std::vector<Hypothesis>& distinct) {
   std::sort(all.begin(), all.end(), better);
   distinct.clear();
-  const double metres = std::max(kDistinct * scale_m, kDistinctLeast_m), radians = deg_to_rad(kDistinctTurn_deg);
   for (const Hypothesis& h : all) {
     const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Hypothesis& k) {
-      return same_pose(h.T_ref_scan, k.T_ref_scan, metres, radians);
+      return same_answer(h.T_ref_scan, k.T_ref_scan, scale_m);
     });
     if (!known) distinct.push_back(h);
   }
@@ -233,9 +237,7 @@ void MultiHypothesisSearch::settle(const PreparedScan& reference, const Prepared
   }
   out.margin = best.score + 2.0;
   for (std::size_t k = 1; k < out.hypotheses.size(); ++k) {
-    if (same_pose(out.hypotheses[k].T_ref_scan, best.T_ref_scan, std::max(kDistinct * scale, kDistinctLeast_m),
-                  deg_to_rad(kDistinctTurn_deg)))
-      continue;
+    if (same_answer(out.hypotheses[k].T_ref_scan, best.T_ref_scan, scale)) continue;
     out.margin = best.score - out.hypotheses[k].score;
     break;
   }
@@ -258,10 +260,8 @@ bool MultiHypothesisSearch::convinces(const PreparedScan& reference) const {
   if (kept_.empty()) return false;
   const Hypothesis& best = *std::max_element(
       kept_.begin(), kept_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.score < b.score; });
-  const double metres = std::max(kDistinct * reference.scale_m, kDistinctLeast_m);
   return best.score >= kSureScore && std::none_of(kept_.begin(), kept_.end(), [&](const Hypothesis& h) {
-           return h.score > best.score - kSureMargin &&
-                  !same_pose(h.T_ref_scan, best.T_ref_scan, metres, deg_to_rad(kDistinctTurn_deg));
+           return h.score > best.score - kSureMargin && !same_answer(h.T_ref_scan, best.T_ref_scan, reference.scale_m);
          });
 }
 

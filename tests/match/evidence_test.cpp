@@ -6,17 +6,13 @@
 #include <cmath>
 
 #include "phasescan/core/fast_math.hpp"
+#include "support/prepared.hpp"
 #include "support/rooms.hpp"
 
 namespace phasescan {
 namespace {
 
-PreparedScan prepared(const Scan& scan) {
-  PreparedScan out;
-  PrepareWorkspace work;
-  prepare_scan(scan, {}, {}, work, out);
-  return out;
-}
+using test::prepared;
 
 // What `other` says of every hit of `mine`, one hit at a time.
 void plain_one_way(const PreparedScan& other, const PreparedScan& mine, const Pose2& T, float slack, Evidence& sum) {

@@ -3,18 +3,13 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "phasescan/match/prepared_scan.hpp"
+#include "support/prepared.hpp"
 #include "support/rooms.hpp"
 
 namespace phasescan {
 namespace {
 
-PreparedScan prepared(const Scan& scan) {
-  PreparedScan out;
-  PrepareWorkspace work;
-  prepare_scan(scan, {}, {}, work, out);
-  return out;
-}
+using test::prepared;
 
 Pose2 plus(const Pose2& pose, const Eigen::Vector3d& step) {
   return {pose.x + step.x(), pose.y + step.y(), pose.theta + step.z()};

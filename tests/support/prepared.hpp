@@ -1,0 +1,15 @@
+/// A scan prepared with the defaults of fft-mh, for tests of its parts.
+#pragma once
+
+#include "phasescan/match/prepared_scan.hpp"
+
+namespace phasescan::test {
+
+inline PreparedScan prepared(const Scan& scan) {
+  PreparedScan out;
+  PrepareWorkspace work;
+  prepare_scan(scan, {}, {}, work, out);
+  return out;
+}
+
+}  // namespace phasescan::test
