@@ -17,7 +17,7 @@ struct LineTask {
   const float* normal_variance;
   int last;
   const float *x, *y, *nx, *ny, *length, *variance;
-  std::size_t padded;
+  std::size_t count;
   std::int32_t* partners;
   bool known;
   float c, s, tx, ty, gate, soft, min_cosine;
@@ -36,7 +36,8 @@ void SumEquations(LineTask& task) {
   using V = hn::Vec<decltype(df)>;
   const hn::RebindToSigned<decltype(df)> di;
   const V c = hn::Set(df, task.c), s = hn::Set(df, task.s), tx = hn::Set(df, task.tx), ty = hn::Set(df, task.ty);
-  const V gate = hn::Set(df, task.gate), min_cosine = hn::Set(df, task.min_cosine), half = hn::Set(df, 0.5F);
+  const V gate = hn::Set(df, task.gate), min_cosine = hn::Set(df, task.min_cosine), half = hn::Set(df, 0.5F),
+          zero = hn::Zero(df);
   constexpr float kModelVariance = 5e-5F;  // [m^2] (7 mm): surfaces are not lines, and ranges err together
   const V base = hn::Set(df, kModelVariance + task.soft * task.soft), width = hn::Set(df, 4.0F);
   const bool with_leak = task.soft == 0.0F;
@@ -45,7 +46,7 @@ void SumEquations(LineTask& task) {
   V lxx = xx, lxy = xx, lxt = xx, lyy = xx, lyt = xx, ltt = xx, cost = xx, partners = xx;
   const V one = hn::Set(df, 1.0F);
   const auto none = hn::Set(di, -1);
-  for (std::size_t k = 0; k < task.padded; k += hn::Lanes(df)) {
+  for (std::size_t k = 0; k < task.count; k += hn::Lanes(df)) {
     const V px = hn::LoadU(df, task.x + k), py = hn::LoadU(df, task.y + k);
     const V rx = hn::Sub(hn::Mul(c, px), hn::Mul(s, py)), ry = hn::Add(hn::Mul(s, px), hn::Mul(c, py));
     const V qx = hn::Add(rx, tx), qy = hn::Add(ry, ty);
@@ -61,24 +62,31 @@ void SumEquations(LineTask& task) {
       if (task.partners != nullptr)
         hn::StoreU(hn::IfThenElse(hn::RebindMask(di, found), index, none), di, task.partners + k);
     }
+    found = hn::And(found, hn::FirstN(df, task.count - k));  // the padding is no hit
     if (hn::AllFalse(df, found)) continue;
     const V mx = hn::LoadU(df, task.nx + k), my = hn::LoadU(df, task.ny + k);
     const V ax = hn::Sub(hn::Mul(c, mx), hn::Mul(s, my)), ay = hn::Add(hn::Mul(s, mx), hn::Mul(c, my));
     const V nx = GatherField(df, task.points, index, kNx), ny = GatherField(df, task.points, index, kNy);
-    // Also false where either has no normal.
-    auto good = hn::And(found, hn::Ge(hn::Add(hn::Mul(nx, ax), hn::Mul(ny, ay)), min_cosine));
+    // A lone hit has no line of its own, but it knows where the other's line is as well as the rest. Where the other
+    // has none, both are false.
+    const auto lone =
+        hn::And(hn::Eq(hn::Add(hn::Abs(mx), hn::Abs(my)), zero), hn::Gt(hn::Add(hn::Abs(nx), hn::Abs(ny)), zero));
+    auto good = hn::And(found, hn::Or(lone, hn::Ge(hn::Add(hn::Mul(nx, ax), hn::Mul(ny, ay)), min_cosine)));
     const V dx = hn::Sub(qx, GatherField(df, task.points, index, kLineX)),
             dy = hn::Sub(qy, GatherField(df, task.points, index, kLineY));
     const V residual = hn::Add(hn::Mul(dx, nx), hn::Mul(dy, ny));
     const V along = hn::Sub(hn::Mul(dy, nx), hn::Mul(dx, ny));
-    const V line_length = GatherField(df, task.points, index, kLength);
+    const V line_length = GatherField(df, task.points, index, kLength), own_length = hn::LoadU(df, task.length + k);
     good = hn::And(good, hn::Le(hn::Abs(residual), gate));
-    good = hn::And(good, hn::Le(hn::Abs(along), hn::Add(gate, hn::Mul(half, line_length))));
+    // In the last steps the line is believed no farther than the hits on it, or those of the other scan, are apart.
+    const V reach = with_leak ? hn::Mul(hn::Set(df, 1.5F), hn::Max(line_length, own_length))
+                              : hn::Add(gate, hn::Mul(half, line_length));
+    good = hn::And(good, hn::Le(hn::Abs(along), reach));
     if (hn::AllFalse(df, good)) continue;
     // One over the variance of the residual: the point stands for `length` of surface, the line is seen by beams that
     // stand for line_length each. Times the kernel (Geman-McClure): far residuals count less.
     const V line_variance = GatherField(df, task.points, index, kVariance);
-    const V spread = hn::Div(hn::Mul(line_variance, line_length), hn::LoadU(df, task.length + k));
+    const V spread = hn::Div(hn::Mul(line_variance, line_length), own_length);
     const V widened = hn::Mul(width, hn::Add(hn::Add(hn::LoadU(df, task.variance + k), spread), base));
     const V below = hn::Add(widened, hn::Mul(residual, residual));
     const V w = hn::IfThenElseZero(good, hn::Div(hn::Mul(width, widened), hn::Mul(below, below)));
@@ -136,7 +144,7 @@ NormalEquations point_to_line_equations(const SurfaceModel& model, const Surface
                 hits.ny.data(),
                 hits.length.data(),
                 hits.variance.data(),
-                hits.padded(),
+                hits.count,
                 partners != nullptr ? partners->index.data() : nullptr,
                 partners != nullptr && partners->known,
                 static_cast<float>(std::cos(T_model_hits.theta)),
