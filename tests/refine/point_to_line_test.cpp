@@ -50,6 +50,25 @@ TEST(PointToLine, TheGradientIsTheSlopeOfTheResiduals) {
   }
 }
 
+TEST(PointToLine, AHitWithoutALineOfItsOwnCountsOnTheOthersAndPaddingDoesNot) {
+  const PreparedScan reference = prepared(test::cast_room({}, 720));
+  // One hit on a wall, alone; around the sensor, where the padding of the batch stands, there is a wall as well.
+  SurfaceBatch lone;
+  const int on_wall = 100;
+  lone.fill(reference.surface, std::vector<int>{on_wall});
+  lone.nx[0] = lone.ny[0] = 0.0F;
+  const SurfacePoint& wall = reference.surface[on_wall];
+  const Pose2 beside{-0.01 * static_cast<double>(wall.nx), -0.01 * static_cast<double>(wall.ny), 0.0};
+  const NormalEquations equations = point_to_line_equations(reference.model(), lone, beside, {0.1, 0.0, 0.75});
+  EXPECT_EQ(equations.partners, 1);
+  // It is pushed back along the wall's normal.
+  EXPECT_LT(equations.g.head<2>().dot(Eigen::Vector2d(static_cast<double>(wall.nx), static_cast<double>(wall.ny))),
+            0.0);
+  const Pose2 sensor_on_wall{static_cast<double>(wall.x), static_cast<double>(wall.y), 0.0};
+  lone.x[0] = 1e3F;
+  EXPECT_EQ(point_to_line_equations(reference.model(), lone, sensor_on_wall, {0.1, 0.0, 0.75}).partners, 0);
+}
+
 TEST(PointToLine, EquationsAboutTheInverseUseItsDerivative) {
   const Pose2 pose{0.7, -0.4, 1.1};
   NormalEquations unit;
