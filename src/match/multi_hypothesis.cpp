@@ -15,6 +15,7 @@ constexpr int kWindow = CorrelationWindow::kWindow;
 constexpr int kPeakCells = 3;        // a second translation of one rotation is farther than this from the first
 constexpr double kTwinShare = 0.85;  // of the best coarse sum: worth a closer look
 constexpr int kSettleAttempts = 2;   // slides along the weakest direction that are followed
+constexpr int kMoreInDoubt = 2;      // times the candidates when the first look does not convince
 constexpr double kSureScore = 0.25, kSureMargin = 0.15;  // below either a few rotations are not enough
 constexpr double kWorthASlide = 0.01;                    // by so much the score must be better there
 // Lengths as shares of the scale (about 6 m for an RPLidar A1), from the coarse cell down.
@@ -107,7 +108,7 @@ void MultiHypothesisSearch::sweep(const PreparedScan& reference, const PreparedS
 }
 
 // Best first, without those that a better neighbour stands for.
-void MultiHypothesisSearch::thin(const PreparedScan& reference) {
+void MultiHypothesisSearch::thin(const PreparedScan& reference, std::size_t most) {
   std::sort(coarse_.begin(), coarse_.end(), coarsely_better);
   kept_.clear();
   const double near_m = 2.5 * static_cast<double>(reference.table.cell());
@@ -119,7 +120,7 @@ void MultiHypothesisSearch::thin(const PreparedScan& reference) {
     });
     if (known) continue;
     kept_.push_back(h);
-    if (kept_.size() >= static_cast<std::size_t>(options_.candidates)) break;
+    if (kept_.size() >= most) break;
   }
 }
 
@@ -245,10 +246,10 @@ void MultiHypothesisSearch::settle(const PreparedScan& reference, const Prepared
 
 // Hypotheses from the listed rotations, refined and weighed, in kept_.
 void MultiHypothesisSearch::look(const PreparedScan& reference, const PreparedScan& scan,
-                                 const std::optional<Pose2>& guess, SearchTimes& times) {
+                                 const std::optional<Pose2>& guess, int candidates, SearchTimes& times) {
   StageClock clock;
   sweep(reference, scan, guess);
-  thin(reference);
+  thin(reference, static_cast<std::size_t>(candidates));
   clock.add_to(times.translation);
   refine_candidates(reference, scan);
   if (options_.twins && !guess) add_twins(reference, scan);
@@ -277,10 +278,10 @@ void MultiHypothesisSearch::run(const PreparedScan& reference, const PreparedSca
   StageClock clock;
   rotations_.list(reference, scan, guess, rotation_list_);
   clock.add_to(ms.rotation);
-  look(reference, scan, guess, ms);
+  look(reference, scan, guess, options_.candidates, ms);
   if (options_.rotations == RotationSearch::kAutomatic && !guess && !convinces(reference)) {
     rotations_.list_all(rotation_list_);
-    look(reference, scan, guess, ms);
+    look(reference, scan, guess, kMoreInDoubt * options_.candidates, ms);
   }
   clock = {};
   refine_finalists(reference, scan, out);

@@ -60,10 +60,10 @@ class MultiHypothesisSearch {
 
  private:
   void look(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
-            SearchTimes& times);
+            int candidates, SearchTimes& times);
   bool convinces(const PreparedScan& reference) const;
   void sweep(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess);
-  void thin(const PreparedScan& reference);
+  void thin(const PreparedScan& reference, std::size_t most);
   void refine_candidates(const PreparedScan& reference, const PreparedScan& scan);
   void add_twins(const PreparedScan& reference, const PreparedScan& scan);
   void refine_finalists(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out);
