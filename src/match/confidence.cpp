@@ -3,23 +3,77 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <string_view>
+#include <utility>
 
 namespace phasescan {
 namespace {
 
+// What the search saw, in the order of the features.
+enum SeenFeature : std::size_t {
+  kConstant,
+  kScore,
+  kMargin,
+  kProfile,
+  kSigma,
+  kPartners,
+  kViolation,
+  kMatched,
+  kOccluded,
+  kEmpty,
+  kStray,
+  kLowScore,
+  kSilent,
+  kAgreement,
+  kSlides,
+  kTie
+};
+constexpr std::array<std::string_view, ConfidenceFeatures::kSeen> kNames{
+    "constant", "score", "log_margin", "log_profile", "log_sigma", "log_partners",  "violation", "matched",
+    "occluded", "empty", "stray",      "low_score",   "silent",    "log_agreement", "slides",    "tie"};
+
+// Doubts add up, and the more of one the less of the other it takes. Where the pose slides or ties with another, what
+// is seen means something else.
+constexpr std::array<std::pair<SeenFeature, SeenFeature>, ConfidenceFeatures::kProducts> kProductOf{{
+    {kMargin, kProfile},
+    {kMargin, kMargin},
+    {kProfile, kProfile},
+    {kSigma, kSigma},
+    {kMargin, kSigma},
+    {kAgreement, kAgreement},
+    {kScore, kScore},
+    {kScore, kMargin},
+    {kSilent, kSilent},
+    {kSilent, kScore},
+    {kSlides, kScore},
+    {kSlides, kMargin},
+    {kSlides, kSigma},
+    {kTie, kScore},
+    {kTie, kMargin},
+    {kTie, kSigma},
+    {kTie, kSilent},
+}};
+
 constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{
-    -4.831, -3.643, 1.006, 0.221, -3.277, -0.602, -3.171, 6.929, 7.839, 8.800, 6.822, 11.478, 1.173};
+    -1.859, 4.017,  1.195,  0.012,  -3.356, -1.297, -7.107, 2.578,  5.070,  10.168, -0.871,
+    7.126,  -9.838, -3.292, -1.035, -0.487, 0.250,  0.174,  0.012,  1.313,  0.029,  -2.559,
+    -3.947, -0.046, -7.665, 1.579,  -1.455, 0.381,  -0.018, -3.258, -0.359, -4.982, 6.309};
 
 constexpr double kMostVariance = 1e6;
-// The information counts every matched beam at its kernel's weight and so understates what the rest says; set so that
-// 95 % of simulated errors fall within the 95 % region.
-constexpr double kInflation = 0.66;
+// The noise is read off the scans with their corners; how far partners really lie apart (mean_cost) says how much less
+// it is. The kernel shrinks both. Set so that 95 % of simulated errors fall within the 95 % region.
+constexpr double kInflation = 2.3;
+constexpr double kLeastCost = 0.05;       // surfaces without any noise are no surer than this
 constexpr double kSlideVariance = 100.0;  // [m^2] where it does: as far as such a sensor sees
 constexpr double kSlides_m = 0.05;  // less certain than this along some direction: a corridor, where the pose may slide
 
 // Along a corridor both scans agree as well a little farther on.
 bool may_slide(const SearchOutcome& outcome) {
   return outcome.profile < 0.01 || weakest_sigma(outcome.refined.information) > kSlides_m;
+}
+
+bool ties(const SearchOutcome& outcome) {
+  return outcome.margin < 0.05;
 }
 
 }  // namespace
@@ -35,21 +89,23 @@ double weakest_sigma(const Eigen::Matrix3d& information) {
 }
 
 bool is_ambiguous(const SearchOutcome& outcome) {
-  return outcome.margin < 0.05 || may_slide(outcome);
+  return ties(outcome) || may_slide(outcome);
 }
 
 Eigen::Matrix3d covariance_of(const SearchOutcome& outcome) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(outcome.refined.information);
-  Eigen::Vector3d variances =
-      (kInflation * eigen.eigenvalues().cwiseMax(1.0 / kMostVariance).cwiseInverse()).cwiseMin(kMostVariance);
+  Eigen::Vector3d variances = (kInflation * std::max(outcome.refined.mean_cost, kLeastCost) *
+                               eigen.eigenvalues().cwiseMax(1.0 / kMostVariance).cwiseInverse())
+                                  .cwiseMin(kMostVariance);
   // What then seems to hold the pose is noise of the normals.
   if (may_slide(outcome)) variances(0) = kSlideVariance;
   return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-std::array<std::string_view, ConfidenceFeatures::kCount> confidence_feature_names() {
-  return {"constant", "score",    "log_margin", "log_profile", "log_sigma", "log_partners", "violation",
-          "matched",  "occluded", "empty",      "stray",       "low_score", "log_agreement"};
+std::vector<std::string> confidence_feature_names() {
+  std::vector<std::string> names(kNames.begin(), kNames.end());
+  for (const auto& [a, b] : kProductOf) names.push_back(names[a] + "*" + names[b]);
+  return names;
 }
 
 ConfidenceFeatures confidence_features(const SearchOutcome& outcome) {
@@ -58,19 +114,25 @@ ConfidenceFeatures confidence_features(const SearchOutcome& outcome) {
   const auto log_of = [](double value) { return std::log(std::clamp(value, 1e-3, 1.0)) + 3.0; };
   const Evidence& e = outcome.evidence;
   const double hits = std::max(e.hits, 1);
-  f.value[0] = 1.0;
-  f.value[1] = outcome.hypotheses.front().score;
-  f.value[2] = log_of(outcome.margin);
-  f.value[3] = log_of(outcome.profile);
-  f.value[4] = std::log10(std::clamp(weakest_sigma(outcome.refined.information), 1e-3, 1.0)) + 2.0;
-  f.value[5] = std::log(std::clamp(static_cast<double>(outcome.refined.partners), 10.0, 400.0) / 100.0);
-  f.value[6] = e.violation / hits;
-  f.value[7] = e.matched / hits;
-  f.value[8] = e.occluded / hits;
-  f.value[9] = e.empty / hits;
-  f.value[10] = e.stray / hits;
-  f.value[11] = std::min(f.value[1], 0.2);
-  f.value[12] = std::log((e.matched + 0.5) / (e.matched + e.violation + e.stray + e.empty + e.occluded + 1.0));
+  auto& v = f.value;
+  v[kConstant] = 1.0;
+  v[kScore] = outcome.hypotheses.front().score;
+  v[kMargin] = log_of(outcome.margin);
+  v[kProfile] = log_of(outcome.profile);
+  v[kSigma] = std::log10(std::clamp(weakest_sigma(outcome.refined.information), 1e-3, 1.0)) + 2.0;
+  v[kPartners] = std::log(std::clamp(static_cast<double>(outcome.refined.partners), 10.0, 400.0) / 100.0);
+  v[kViolation] = e.violation / hits;
+  v[kMatched] = e.matched / hits;
+  v[kOccluded] = e.occluded / hits;
+  v[kEmpty] = e.empty / hits;
+  v[kStray] = e.stray / hits;
+  v[kLowScore] = std::min(v[kScore], 0.2);
+  v[kSilent] = e.silent / hits;
+  v[kAgreement] = std::log((e.matched + 0.5) / (e.matched + e.violation + e.stray + e.empty + e.occluded + 1.0));
+  v[kSlides] = may_slide(outcome) ? 1.0 : 0.0;
+  v[kTie] = ties(outcome) && !may_slide(outcome) ? 1.0 : 0.0;
+  for (std::size_t k = 0; k < kProductOf.size(); ++k)
+    v[ConfidenceFeatures::kSeen + k] = v[kProductOf[k].first] * v[kProductOf[k].second];
   return f;
 }
 

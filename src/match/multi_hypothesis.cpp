@@ -16,8 +16,10 @@ constexpr int kPeakCells = 3;        // a second translation of one rotation is 
 constexpr double kTwinShare = 0.85;  // of the best coarse sum: worth a closer look
 constexpr int kSettleAttempts = 2;   // slides along the weakest direction that are followed
 constexpr int kMoreInDoubt = 2;      // times the candidates when the first look does not convince
-constexpr double kSureScore = 0.25, kSureMargin = 0.15;  // below either a few rotations are not enough
-constexpr double kWorthASlide = 0.01;                    // by so much the score must be better there
+constexpr double kSureScore = 0.25, kSureMargin = 0.15;   // below either a few rotations are not enough
+constexpr double kSlides[] = {-0.05, -0.02, 0.02, 0.05};  // [share of the scale] along the weakest direction
+constexpr double kWorthASlide = 0.01;                     // by so much the score must be better there
+constexpr double kDoubtfulProfile = 0.1;                  // below it all hits are asked
 // Lengths as shares of the scale (about 6 m for an RPLidar A1), from the coarse cell down.
 constexpr double kQuickGateStart = 0.075, kMiddleGateStart = 0.05, kFineGateStart = 0.033, kGateEnd = 0.02;
 constexpr double kQuickSlack = 0.01, kFineSlack = 0.0015;
@@ -31,6 +33,10 @@ bool same_pose(const Pose2& a, const Pose2& b, double metres, double radians) {
 Pose2 shifted(const Pose2& centre, const ScoreTable& table, const CorrelationPeak& peak) {
   const auto cell = static_cast<double>(table.cell());
   return {centre.x + cell * (peak.column - kWindow / 2), centre.y + cell * (peak.row - kWindow / 2), centre.theta};
+}
+
+Pose2 slid(const Pose2& pose, const Eigen::Vector2d& by) {
+  return {pose.x + by.x(), pose.y + by.y(), pose.theta};
 }
 
 // Whether both poses are one answer in a place of that scale.
@@ -221,20 +227,30 @@ void MultiHypothesisSearch::settle(const PreparedScan& reference, const Prepared
     // A little way along the direction that the surfaces hold least: a better place, or how much worse it gets.
     const Eigen::Vector2d weakest = weakest_direction(out.refined.information);
     out.profile = 2.0;
-    Hypothesis slid = best;
-    for (const double step : {-0.05, -0.02, 0.02, 0.05}) {
-      Pose2 moved = best.T_ref_scan;
-      moved.x += step * scale * weakest.x();
-      moved.y += step * scale * weakest.y();
+    Hypothesis other = best;
+    for (const double step : kSlides) {
+      const Pose2 moved = slid(best.T_ref_scan, step * scale * weakest);
       const double score = weigh(moved).score(weights_);
       out.profile = std::min(out.profile, best.score - score);
-      if (score > slid.score) {
-        slid.score = score;
-        slid.T_ref_scan = moved;
+      if (score > other.score) {
+        other.score = score;
+        other.T_ref_scan = moved;
       }
     }
-    if (slid.score <= best.score + kWorthASlide) break;
-    if (attempt + 1 < kSettleAttempts) best.T_ref_scan = slid.T_ref_scan;
+    if (other.score <= best.score + kWorthASlide) break;
+    if (attempt + 1 < kSettleAttempts) best.T_ref_scan = other.T_ref_scan;
+  }
+  if (out.profile < kDoubtfulProfile) {
+    // A few hits tell how far along a corridor the sensor is: all of them are asked.
+    const Eigen::Vector2d weakest = weakest_direction(out.refined.information);
+    const auto score = [&](double step) {
+      return weigh_evidence(reference, scan, reference.all, scan.all, slid(best.T_ref_scan, step * scale * weakest),
+                            kFineSlack * scale)
+          .score(weights_);
+    };
+    const double here = score(0.0);
+    out.profile = 2.0;
+    for (const double step : kSlides) out.profile = std::min(out.profile, here - score(step));
   }
   out.margin = best.score + 2.0;
   for (std::size_t k = 1; k < out.hypotheses.size(); ++k) {

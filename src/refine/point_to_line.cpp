@@ -37,6 +37,7 @@ PointToLineResult refine_point_to_line(const SurfaceModel& reference, const Surf
       equations.g += back.g;
       equations.normal_noise += back.normal_noise;
       equations.partners += back.partners;
+      equations.cost += back.cost;
     }
     ++result.iterations;
     if (equations.partners < 3) return result;
@@ -67,6 +68,7 @@ PointToLineResult refine_point_to_line(const SurfaceModel& reference, const Surf
     }
     gate = std::max(options.gate_end_m, 0.6 * gate);
   }
+  result.mean_cost = equations.cost / equations.partners;
   result.information = (of_ref != nullptr ? 0.5 : 1.0) * (equations.H - kNormalNoise * equations.normal_noise);
   return result;
 }

@@ -3,25 +3,26 @@
 
 #include <array>
 #include <cstddef>
-#include <string_view>
+#include <string>
+#include <vector>
 
 #include "phasescan/match/multi_hypothesis.hpp"
 
 namespace phasescan {
 
-/// What the probability is computed from, in the order of the coefficients.
+/// What the probability is computed from, in the order of the coefficients: what the search saw, and products of it.
 struct ConfidenceFeatures {
-  static constexpr std::size_t kCount = 13;
+  static constexpr std::size_t kSeen = 16, kProducts = 17, kCount = kSeen + kProducts;
   std::array<double, kCount> value{};
 };
 
 /// Their names, as in the tables that `bench --features` writes.
-std::array<std::string_view, ConfidenceFeatures::kCount> confidence_feature_names();
+std::vector<std::string> confidence_feature_names();
 
 ConfidenceFeatures confidence_features(const SearchOutcome& outcome);
 
 /// Probability that the best hypothesis is within 0.1 m and 3 deg of the truth: a logistic function of the features,
-/// fitted by tools/fit_confidence.py on simulated pairs and on recorded development pairs together.
+/// fitted by tools/fit_confidence.py on simulated pairs alone.
 double confidence_of(const ConfidenceFeatures& features);
 
 /// Standard deviation of the translation in its weakest direction [m], the rotation unknown as well.

@@ -38,6 +38,7 @@ struct PointToLineResult {
   int iterations = 0;
   bool converged = false;
   int partners = 0;  ///< hits of the scan that found a partner in the last step
+  double mean_cost = 0.0;  ///< mean of weight * residual^2 over the partners of the last step, both ways
 };
 
 /// Refines T_ref_scan from `guess`: the hits `of_scan` look for lines in the reference and, unless it is null, the hits
