@@ -62,7 +62,7 @@ constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{
 constexpr double kMostVariance = 1e6;
 // The noise is read off the scans with their corners; how far partners really lie apart (mean_cost) says how much less
 // it is. The kernel shrinks both. Set so that 95 % of simulated errors fall within the 95 % region.
-constexpr double kInflation = 2.3;
+constexpr double kInflation = 2.33;
 constexpr double kLeastCost = 0.05;       // surfaces without any noise are no surer than this
 constexpr double kSlideVariance = 100.0;  // [m^2] where it does: as far as such a sensor sees
 constexpr double kSlides_m = 0.05;  // less certain than this along some direction: a corridor, where the pose may slide
