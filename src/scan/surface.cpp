@@ -7,17 +7,13 @@
 #include <cstdint>
 #include <numeric>
 
+#include "scan/surface_lines.hpp"
+
 namespace phasescan {
 namespace {
 
 constexpr int kBeamsPerRestart = 64;  // the rotation recurrence is restarted so often: error below 1e-13
 constexpr double kMinFloor = 0.004;   // [m] no lidar of this kind is better than this
-constexpr int kMaxHalfWindow = 48;
-// A line is fitted this far to either side, short enough for furniture, and farther where the wall runs on.
-constexpr double kReachShare = 0.007, kReachSigmas = 1.0;  // of the extent; of the range noise
-constexpr int kLonger = 4;
-constexpr double kStraight = 1.0;     // of the expected variance across the line: a longer line must fit this well
-constexpr double kLeastCosine = 0.1;  // a beam along a wall is not as good as its noise across it says
 
 // The nth smallest of values that are not negative; changes their order. A count by leading bits finds the few that are
 // worth a sort.
@@ -143,114 +139,6 @@ void find_segments(const SurfacePoints& points, double spacing, SurfaceWorkspace
   }
 }
 
-struct LineFit {
-  double cx = 0, cy = 0, nx = 0, ny = 0, norm2 = 0;  // centre; normal, not of unit length, and its square
-  double spread = 0, residual = 0;                   // variance along and across the line
-  int count = 0;
-
-  // Whether the line fits as well as `variance` of the ranges lets expect at (px, py): a beam along the line (less than
-  // about 12 deg apart) is given no more credit.
-  bool fits(double variance, double px, double py) const {
-    const double dot = nx * px + ny * py, all = norm2 * (px * px + py * py);
-    return residual * all <= variance * std::max(dot * dot, 0.04 * all);
-  }
-};
-
-inline LineFit fit_line(const double* sums, int from, int to) {
-  const double* a = sums + 5 * static_cast<std::size_t>(from);
-  const double* b = sums + 5 * static_cast<std::size_t>(to);
-  LineFit fit;
-  fit.count = to - from;
-  const double inv = 1.0 / fit.count;
-  fit.cx = (b[0] - a[0]) * inv;
-  fit.cy = (b[1] - a[1]) * inv;
-  const double xx = (b[2] - a[2]) * inv - fit.cx * fit.cx;
-  const double xy = (b[3] - a[3]) * inv - fit.cx * fit.cy;
-  const double yy = (b[4] - a[4]) * inv - fit.cy * fit.cy;
-  const double half = 0.5 * (xx - yy), mean = 0.5 * (xx + yy);
-  const double root = std::sqrt(half * half + xy * xy);
-  fit.spread = mean + root;
-  fit.residual = std::max(mean - root, 0.0);
-  // Eigenvector of the small eigenvalue, from the better conditioned row.
-  fit.nx = half >= 0.0 ? xy : root - half;
-  fit.ny = half >= 0.0 ? -(half + root) : -xy;
-  fit.norm2 = fit.nx * fit.nx + fit.ny * fit.ny;
-  return fit;
-}
-
-void find_normals(double spacing, SurfaceWorkspace& work, SurfacePoints& out) {
-  const int n = static_cast<int>(out.size());
-  work.sums.resize(5 * (out.size() + 1));
-  std::fill_n(work.sums.begin(), 5, 0.0);
-  for (int i = 0; i < n; ++i) {
-    const double px = static_cast<double>(out.points[i].x), py = static_cast<double>(out.points[i].y);
-    const double* last = work.sums.data() + 5 * static_cast<std::size_t>(i);
-    double* next = work.sums.data() + 5 * static_cast<std::size_t>(i + 1);
-    next[0] = last[0] + px;
-    next[1] = last[1] + py;
-    next[2] = last[2] + px * px;
-    next[3] = last[3] + px * py;
-    next[4] = last[4] + py * py;
-  }
-  const double* const sums = work.sums.data();
-  for (int i = 0; i < n; ++i) {
-    const double r = static_cast<double>(out.range[i]), sigma = static_cast<double>(out.sigma[i]);
-    const double px = static_cast<double>(out.points[i].x), py = static_cast<double>(out.points[i].y);
-    const double step = std::max(spacing * r, 1e-4);
-    const double reach = std::max(kReachShare * out.extent, kReachSigmas * sigma);
-    const int half = static_cast<int>(std::clamp(std::ceil(reach / step), 2.0, double{kMaxHalfWindow}));
-    const int begin = work.segment_begin[i], end = work.segment_end[i];
-    SurfacePoint& point = out.points[i];
-    point.variance = static_cast<float>(0.25 * sigma * sigma);
-    point.length = static_cast<float>(2.0 * step);
-    out.normal_variance[i] = 0.3F;
-    if (end - begin < 3) continue;
-    const double expected = sigma * sigma;
-    const auto fit = [&](int back, int on) {
-      return fit_line(sums, std::max(begin, i - back), std::min(end, i + on + 1));
-    };
-    LineFit best = fit(kLonger * half, kLonger * half);
-    if (best.count >= 3 && best.fits(kStraight * expected, px, py)) {
-      const LineFit longest = fit(kLonger * kLonger * half, kLonger * kLonger * half);
-      if (longest.fits(kStraight * expected, px, py)) best = longest;
-    } else {
-      int back = half, on = half;
-      best = fit(back, on);
-      if (!best.fits(1.5 * expected, px, py)) {
-        // A corner, perhaps: the side on which the line fits better.
-        for (const bool before : {true, false}) {
-          const LineFit side = fit(before ? 2 * half : 0, before ? 0 : 2 * half);
-          if (side.count < 3 || side.residual >= 0.6 * best.residual) continue;
-          best = side;
-          back = before ? 2 * half : 0;
-          on = before ? 0 : 2 * half;
-        }
-      }
-      const LineFit longer = fit(2 * back, 2 * on);
-      if (best.count >= 3 && longer.fits(kStraight * expected, px, py)) best = longer;
-    }
-    if (best.count < 3 || best.spread < 4.0 * best.residual || best.spread <= 0.0) continue;
-    const double unit = 1.0 / std::sqrt(best.norm2);
-    double nx = best.nx * unit, ny = best.ny * unit;
-    if (nx * px + ny * py > 0.0) {
-      nx = -nx;
-      ny = -ny;
-    }
-    const double off = nx * (px - best.cx) + ny * (py - best.cy);
-    if (off * off > 9.0 * std::max(expected, best.residual)) continue;
-    const double cosine = std::clamp(-(nx * px + ny * py) / r, 0.0, 1.0);
-    const double across = std::max(cosine, kLeastCosine) * sigma;
-    point.nx = static_cast<float>(nx);
-    point.ny = static_cast<float>(ny);
-    point.line_x = static_cast<float>(px - off * nx);
-    point.line_y = static_cast<float>(py - off * ny);
-    point.length = static_cast<float>(step / std::max(cosine, 0.2));
-    point.variance = static_cast<float>(across * across);
-    out.normal_variance[i] =
-        static_cast<float>(std::min(std::max(across * across, best.residual) / (best.count * best.spread), 0.3));
-  }
-}
-
 }  // namespace
 
 void sort_beams(const Scan& scan, SurfaceWorkspace& work) {
@@ -291,7 +179,7 @@ void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work,
   out.noise = estimate_noise(out, work);
   for (std::size_t i = 0; i < n; ++i) out.sigma[i] = out.noise.sigma(out.range[i]);
   find_segments(out, out.spacing, work);
-  find_normals(out.spacing, work, out);
+  find_lines(work, out);
   for (auto& k : out.beam) k = work.order[static_cast<std::size_t>(k)];
 }
 

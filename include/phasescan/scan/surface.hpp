@@ -1,6 +1,7 @@
 /// The hits of a scan with the surface they lie on: normals, noise, and how much wall each beam stands for.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -69,8 +70,10 @@ struct SurfaceWorkspace {
   std::vector<double> angle;
   std::vector<int> order;
   std::vector<double> cos_angle, sin_angle;
-  std::vector<double> sums;  ///< prefix sums of 1, x, y, xx, xy, yy
-  std::vector<int> segment_begin, segment_end;
+  std::vector<double> x, y, sums;  ///< of the hits; prefix sums of x, y, xx, xy, yy
+  std::vector<std::int32_t> segment_begin, segment_end, half;
+  std::vector<double> lines;
+  std::vector<std::uint8_t> found;
   std::vector<float> scratch, scratch2;
 };
 

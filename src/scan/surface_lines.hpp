@@ -1,0 +1,13 @@
+/// The line that each hit and its neighbours lie on.
+#pragma once
+
+#include "phasescan/scan/surface.hpp"
+
+namespace phasescan {
+
+/// Fills normal, line, length, variance and normal_variance of every hit; points, range, sigma, extent, spacing and the
+/// segments of `work` are given.
+/// @cost about 40 ns a hit; every CPU gives the same to rounding
+void find_lines(SurfaceWorkspace& work, SurfacePoints& out);
+
+}  // namespace phasescan
