@@ -2,33 +2,45 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace phasescan {
 namespace {
 
 constexpr double kLeastScale_m = 0.2, kFixedScale_m = 6.3;
 
+// Length of surface that each hit stands for, up to a limit, and the sum of it.
+float fill_lengths(const SurfacePoints& surface, std::vector<float>& out) {
+  const float most = 0.1F * static_cast<float>(surface.extent);
+  float total = 0.0F;
+  out.resize(surface.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i] = std::min(surface[i].length, most);
+    total += out[i];
+  }
+  return total;
+}
+
 // Picks about `count` hits so that equal lengths of surface lie between them: a near wall has many beams but no more to
 // say.
-void sample_evenly(const SurfacePoints& surface, int count, std::vector<int>& out) {
-  out.clear();
-  const std::size_t n = surface.size();
+void sample_evenly(const std::vector<float>& lengths, float total, int count, std::vector<int>& out) {
+  const std::size_t n = lengths.size();
+  out.resize(n);
   if (n <= static_cast<std::size_t>(count)) {
-    for (std::size_t i = 0; i < n; ++i) out.push_back(static_cast<int>(i));
+    std::iota(out.begin(), out.end(), 0);
     return;
   }
-  const float most = 0.1F * static_cast<float>(surface.extent);
-  const auto length = [&](std::size_t i) { return std::min(surface[i].length, most); };
-  float total = 0.0F;
-  for (std::size_t i = 0; i < n; ++i) total += length(i);
   const float step = total / static_cast<float>(count);
   float reached = 0.5F * step;
+  std::size_t picked = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    reached += length(i);
-    if (reached < step) continue;
-    out.push_back(static_cast<int>(i));
-    reached = std::min(reached - step, step);
+    reached += lengths[i];
+    out[picked] = static_cast<int>(i);
+    const bool pick = reached >= step;
+    picked += pick;
+    reached = pick ? std::min(reached - step, step) : reached;
   }
+  out.resize(picked);
 }
 
 void level_variances(SurfacePoints& surface) {
@@ -55,9 +67,10 @@ void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& o
                     std::max(half_width, static_cast<float>(std::min(1.5 * out.scale_m, 1.05 * out.range_max_m))),
                     half_width / 50.0F);
   fill_normal_histogram(out.surface, out.normals);
-  sample_evenly(out.surface, options.sparse_points, work.indices);
+  const float length = fill_lengths(out.surface, work.lengths);
+  sample_evenly(work.lengths, length, options.sparse_points, work.indices);
   out.sparse.fill(out.surface, work.indices);
-  sample_evenly(out.surface, options.middle_points, work.indices);
+  sample_evenly(work.lengths, length, options.middle_points, work.indices);
   out.middle.fill(out.surface, work.indices);
   out.all.fill(out.surface);
   if (options.with_missing) work.missing.find(scan, 0.0, deg_to_rad(MissingOptions{}.min_width_deg), out.missing);

@@ -60,6 +60,10 @@ void directions(const Scan& scan, SurfaceWorkspace& work) {
 
 void take_points(const Scan& scan, const Twist2& twist, const SurfaceWorkspace& work, SurfacePoints& out) {
   const bool deskew = !twist.is_zero() && scan.time_increment != 0.0;
+  out.points.resize(work.order.size());
+  out.range.resize(work.order.size());
+  out.beam.resize(work.order.size());
+  std::size_t n = 0;
   for (std::size_t k = 0; k < work.order.size(); ++k) {
     const auto beam = static_cast<std::size_t>(work.order[k]);
     if (!scan.is_hit(beam)) continue;
@@ -73,13 +77,16 @@ void take_points(const Scan& scan, const Twist2& twist, const SurfaceWorkspace& 
       py = p.y();
       r = static_cast<float>(p.norm());
     }
-    SurfacePoint point;
+    SurfacePoint& point = out.points[n];
     point.x = point.line_x = static_cast<float>(px);
     point.y = point.line_y = static_cast<float>(py);
-    out.points.push_back(point);
-    out.range.push_back(r);
-    out.beam.push_back(static_cast<int>(k));  // position in `order` for now: neighbours in direction
+    out.range[n] = r;
+    out.beam[n] = static_cast<int>(k);  // position in `order` for now: neighbours in direction
+    ++n;
   }
+  out.points.resize(n);
+  out.range.resize(n);
+  out.beam.resize(n);
 }
 
 // Range noise from second differences along runs of adjacent beams, near and far halves apart.
@@ -160,9 +167,6 @@ void sort_beams(const Scan& scan, SurfaceWorkspace& work) {
 }
 
 void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work, SurfacePoints& out) {
-  out.points.clear();
-  out.range.clear();
-  out.beam.clear();
   sort_beams(scan, work);
   directions(scan, work);
   const std::size_t beams = scan.size();

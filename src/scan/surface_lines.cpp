@@ -10,9 +10,14 @@ namespace phasescan {
 #define PHASESCAN_LINES_TASK
 // Lines of all hits, a field an array: centre; normal, not of unit length, and its square; variance along and across;
 // hits.
+// What a hit gets from its line, field by field.
+enum HitField { kHitNx, kHitNy, kHitLineX, kHitLineY, kHitLength, kHitVariance, kHitNormalVariance, kHitFields };
 enum LineField { kCentreX, kCentreY, kNormalX, kNormalY, kNorm2, kSpread, kResidual, kCount, kLineFields };
 
 constexpr int kMaxHalfWindow = 48;
+constexpr double kLeastCosine = 0.1;         // a beam along a wall is not as good as its noise across it says
+constexpr double kLongestCosine = 0.2;       // nor does it stand for as much of the wall
+constexpr double kMostNormalVariance = 0.3;  // [rad^2] nothing is known of the direction
 // A line is fitted this far to either side, short enough for furniture, and farther where the wall runs on.
 constexpr double kReachShare = 0.007, kReachSigmas = 1.0;  // of the extent; of the range noise
 constexpr double kLeastStep = 1e-4;                        // [m] between hits
@@ -30,6 +35,7 @@ struct LinesTask {
   double spacing, least_reach;      // between beams [rad]; of a window [m]
   std::int32_t* half;               // half a window
   double* lines;                    // kLineFields arrays of `count`
+  float* hits;                      // kHitFields arrays of `count`
   std::uint8_t* found;              // 1 where a long window has a line
 };
 #endif
@@ -117,6 +123,50 @@ void FitLongLines(const LinesTask& task) {
   }
 }
 
+// From lines to what the hits get.
+void FinishHits(const LinesTask& task) {
+  const hn::Rebind<std::int32_t, decltype(kD)> d32;
+  const hn::Rebind<float, decltype(kD)> df;
+  const V zero = hn::Zero(kD), one = hn::Set(kD, 1.0);
+  for (std::size_t k = 0; k < task.count; k += hn::Lanes(kD)) {
+    const auto line = [&](LineField f) {
+      return hn::LoadU(kD, task.lines + static_cast<std::size_t>(f) * task.count + k);
+    };
+    const V px = hn::LoadU(kD, task.x + k), py = hn::LoadU(kD, task.y + k);
+    const V range = hn::PromoteTo(kD, hn::LoadU(df, task.range + k)),
+            sigma = hn::PromoteTo(kD, hn::LoadU(df, task.sigma + k));
+    const V step = hn::Max(hn::Mul(hn::Set(kD, task.spacing), range), hn::Set(kD, kLeastStep));
+    const V expected = hn::Mul(sigma, sigma), residual = line(kResidual), spread = line(kSpread), count = line(kCount);
+    const V unit = hn::Div(one, hn::Sqrt(line(kNorm2)));
+    V nx = hn::Mul(line(kNormalX), unit), ny = hn::Mul(line(kNormalY), unit);
+    const M away = hn::Gt(hn::Add(hn::Mul(nx, px), hn::Mul(ny, py)), zero);
+    nx = hn::IfThenElse(away, hn::Neg(nx), nx);
+    ny = hn::IfThenElse(away, hn::Neg(ny), ny);
+    const V off = hn::Add(hn::Mul(nx, hn::Sub(px, line(kCentreX))), hn::Mul(ny, hn::Sub(py, line(kCentreY))));
+    const I size = hn::PromoteTo(kI, hn::Sub(hn::LoadU(d32, task.end + k), hn::LoadU(d32, task.begin + k)));
+    M good = hn::RebindMask(kD, hn::Gt(size, hn::Set(kI, 2)));
+    good = hn::And(good, hn::Ge(count, hn::Set(kD, 3.0)));
+    good = hn::And(good, hn::And(hn::Ge(spread, hn::Mul(hn::Set(kD, 4.0), residual)), hn::Gt(spread, zero)));
+    good = hn::And(good, hn::Le(hn::Mul(off, off), hn::Mul(hn::Set(kD, 9.0), hn::Max(expected, residual))));
+    const V towards = hn::Neg(hn::Div(hn::Add(hn::Mul(nx, px), hn::Mul(ny, py)), range));
+    const V cosine = hn::Min(hn::Max(towards, zero), one);
+    const V across = hn::Mul(hn::Max(cosine, hn::Set(kD, kLeastCosine)), sigma), across2 = hn::Mul(across, across);
+    const V turn =
+        hn::Min(hn::Div(hn::Max(across2, residual), hn::Mul(count, spread)), hn::Set(kD, kMostNormalVariance));
+    const auto put = [&](HitField f, V value, V otherwise) {
+      hn::StoreU(hn::DemoteTo(df, hn::IfThenElse(good, value, otherwise)), df,
+                 task.hits + static_cast<std::size_t>(f) * task.count + k);
+    };
+    put(kHitNx, nx, zero);
+    put(kHitNy, ny, zero);
+    put(kHitLineX, hn::Sub(px, hn::Mul(off, nx)), px);
+    put(kHitLineY, hn::Sub(py, hn::Mul(off, ny)), py);
+    put(kHitLength, hn::Div(step, hn::Max(cosine, hn::Set(kD, kLongestCosine))), hn::Add(step, step));
+    put(kHitVariance, across2, hn::Mul(hn::Set(kD, 0.25), expected));
+    put(kHitNormalVariance, turn, hn::Set(kD, kMostNormalVariance));
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace phasescan
 HWY_AFTER_NAMESPACE();
@@ -127,11 +177,11 @@ HWY_AFTER_NAMESPACE();
 
 namespace phasescan {
 HWY_EXPORT(FitLongLines);
+HWY_EXPORT(FinishHits);
 
 namespace {
 
 constexpr std::size_t kPadding = 8;
-constexpr double kLeastCosine = 0.1;  // a beam along a wall is not as good as its noise across it says
 
 struct LineFit {
   double cx = 0, cy = 0, nx = 0, ny = 0, norm2 = 0;  // centre; normal, not of unit length, and its square
@@ -219,49 +269,38 @@ void find_lines(SurfaceWorkspace& work, SurfacePoints& out) {
   work.half.resize(padded);
   work.lines.resize(kLineFields * padded);
   work.found.resize(padded);
+  work.hits.resize(kHitFields * padded);
   const LinesTask task{
       work.sums.data(),          work.x.data(),           work.y.data(),    out.range.data(), out.sigma.data(),
       work.segment_begin.data(), work.segment_end.data(), padded,           out.spacing,      kReachShare * out.extent,
-      work.half.data(),          work.lines.data(),       work.found.data()};
+      work.half.data(),          work.lines.data(),       work.hits.data(), work.found.data()};
   HWY_DYNAMIC_DISPATCH(FitLongLines)(task);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (work.found[i] != 0 || work.segment_end[i] - work.segment_begin[i] < 3) continue;
+    const double sigma = static_cast<double>(out.sigma[i]);
+    const LineFit line = fit_short_line(work, i, sigma * sigma);
+    double* field = work.lines.data() + i;
+    for (const double value :
+         {line.cx, line.cy, line.nx, line.ny, line.norm2, line.spread, line.residual, double(line.count)}) {
+      *field = value;
+      field += padded;
+    }
+  }
+  HWY_DYNAMIC_DISPATCH(FinishHits)(task);
   for (auto* v : {&out.range, &out.sigma}) v->resize(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const double r = static_cast<double>(out.range[i]), sigma = static_cast<double>(out.sigma[i]);
-    const double px = work.x[i], py = work.y[i], step = std::max(out.spacing * r, kLeastStep), expected = sigma * sigma;
+    const float* field = work.hits.data() + i;
+    const auto get = [&](HitField f) { return field[static_cast<std::size_t>(f) * padded]; };
     SurfacePoint& point = out.points[i];
-    point.variance = static_cast<float>(0.25 * expected);
-    point.length = static_cast<float>(2.0 * step);
-    out.normal_variance[i] = 0.3F;
-    if (work.segment_end[i] - work.segment_begin[i] < 3) continue;
-    LineFit best;
-    if (work.found[i] != 0) {
-      const double* field = work.lines.data() + i;
-      const auto get = [&](LineField f) { return field[static_cast<std::size_t>(f) * padded]; };
-      best = {get(kCentreX), get(kCentreY), get(kNormalX),  get(kNormalY),
-              get(kNorm2),   get(kSpread),  get(kResidual), static_cast<int>(get(kCount))};
-    } else {
-      best = fit_short_line(work, i, expected);
-    }
-    if (best.count < 3 || best.spread < 4.0 * best.residual || best.spread <= 0.0) continue;
-    const double unit = 1.0 / std::sqrt(best.norm2);
-    double nx = best.nx * unit, ny = best.ny * unit;
-    if (nx * px + ny * py > 0.0) {
-      nx = -nx;
-      ny = -ny;
-    }
-    const double off = nx * (px - best.cx) + ny * (py - best.cy);
-    if (off * off > 9.0 * std::max(expected, best.residual)) continue;
-    const double cosine = std::clamp(-(nx * px + ny * py) / r, 0.0, 1.0);
-    const double across = std::max(cosine, kLeastCosine) * sigma;
-    point.nx = static_cast<float>(nx);
-    point.ny = static_cast<float>(ny);
-    point.line_x = static_cast<float>(px - off * nx);
-    point.line_y = static_cast<float>(py - off * ny);
-    point.length = static_cast<float>(step / std::max(cosine, 0.2));
-    point.variance = static_cast<float>(across * across);
-    out.normal_variance[i] =
-        static_cast<float>(std::min(std::max(across * across, best.residual) / (best.count * best.spread), 0.3));
+    point.line_x = get(kHitLineX);
+    point.line_y = get(kHitLineY);
+    point.nx = get(kHitNx);
+    point.ny = get(kHitNy);
+    point.length = get(kHitLength);
+    point.variance = get(kHitVariance);
   }
+  const float* turns = work.hits.data() + kHitNormalVariance * padded;
+  std::copy(turns, turns + n, out.normal_variance.begin());
 }
 
 }  // namespace phasescan

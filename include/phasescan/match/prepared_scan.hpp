@@ -47,6 +47,7 @@ struct PrepareWorkspace {
   SurfaceWorkspace surface;
   BearingWorkspace bearings;
   std::vector<int> indices;
+  std::vector<float> lengths;
   MissingFinder missing;
 };
 

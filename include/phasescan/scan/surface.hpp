@@ -74,7 +74,7 @@ struct SurfaceWorkspace {
   std::vector<std::int32_t> segment_begin, segment_end, half;
   std::vector<double> lines;
   std::vector<std::uint8_t> found;
-  std::vector<float> scratch, scratch2;
+  std::vector<float> hits, scratch, scratch2;
 };
 
 /// Beams of a scan in order of direction, counter-clockwise: `order` holds beam indices, `angle` their directions
