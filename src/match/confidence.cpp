@@ -55,9 +55,9 @@ constexpr std::array<std::pair<SeenFeature, SeenFeature>, ConfidenceFeatures::kP
 }};
 
 constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{
-    -1.859, 4.017,  1.195,  0.012,  -3.356, -1.297, -7.107, 2.578,  5.070,  10.168, -0.871,
-    7.126,  -9.838, -3.292, -1.035, -0.487, 0.250,  0.174,  0.012,  1.313,  0.029,  -2.559,
-    -3.947, -0.046, -7.665, 1.579,  -1.455, 0.381,  -0.018, -3.258, -0.359, -4.982, 6.309};
+    -1.982, 3.812,  1.371,  -0.039, -3.526, -1.223, -7.128, 2.333,  5.261,  10.554, -1.865,
+    7.597,  -9.155, -3.523, -0.683, -0.075, 0.204,  0.117,  -0.021, 1.295,  0.001,  -2.732,
+    -2.657, -0.334, -7.762, 1.380,  -1.771, 0.150,  0.127,  -3.455, -0.648, -4.577, 5.351};
 
 constexpr double kMostVariance = 1e6;
 // The noise is read off the scans with their corners; how far partners really lie apart (mean_cost) says how much less

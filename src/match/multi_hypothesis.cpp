@@ -23,6 +23,7 @@ constexpr double kDoubtfulProfile = 0.1;                  // below it all hits a
 // Lengths as shares of the scale (about 6 m for an RPLidar A1), from the coarse cell down.
 constexpr double kQuickGateStart = 0.075, kMiddleGateStart = 0.05, kFineGateStart = 0.033, kGateEnd = 0.02;
 constexpr double kQuickSlack = 0.01, kFineSlack = 0.0015;
+constexpr double kTieMargin = 0.03, kSlidingTieMargin = 0.12, kFlatProfile = 0.01, kTwinTurn_rad = 0.25 * kPi;
 constexpr double kDistinct = 0.02, kDistinctLeast_m = 0.05, kDistinctTurn_deg = 4.0;
 
 bool same_pose(const Pose2& a, const Pose2& b, double metres, double radians) {
@@ -185,12 +186,26 @@ void MultiHypothesisSearch::sort_distinct(std::vector<Hypothesis>& all, double s
   }
 }
 
+// The best, and among them one that turned another way, if there is any: along a corridor the same twin at many places
+// would fill the list.
+void MultiHypothesisSearch::keep_finalists(std::vector<Hypothesis>& sorted) const {
+  const auto most = static_cast<std::ptrdiff_t>(options_.finalists);
+  if (std::ssize(sorted) <= most) return;
+  const double theta = sorted.front().T_ref_scan.theta;
+  const auto turned = [&](const Hypothesis& h) { return angle_distance(h.T_ref_scan.theta, theta) > kTwinTurn_rad; };
+  const auto last = sorted.begin() + most;
+  if (most > 1 && std::none_of(sorted.begin(), last, turned)) {
+    const auto other = std::find_if(last, sorted.end(), turned);
+    if (other != sorted.end()) *(last - 1) = *other;
+  }
+  sorted.erase(last, sorted.end());
+}
+
 void MultiHypothesisSearch::refine_finalists(const PreparedScan& reference, const PreparedScan& scan,
                                              SearchOutcome& out) {
   const double scale = reference.scale_m;
   sort_distinct(kept_, scale, out.hypotheses);
-  if (out.hypotheses.size() > static_cast<std::size_t>(options_.finalists))
-    out.hypotheses.resize(static_cast<std::size_t>(options_.finalists));
+  keep_finalists(out.hypotheses);
   PointToLineOptions middle;
   middle.gate_start_m = kMiddleGateStart * scale;
   middle.gate_end_m = kGateEnd * scale;
@@ -204,6 +219,19 @@ void MultiHypothesisSearch::refine_finalists(const PreparedScan& reference, cons
                   .score(weights_);
   }
   sort_distinct(kept_, scale, out.hypotheses);
+}
+
+// Twins that explain the scans as well: the one that turned less comes first, as sensors turn little more often than
+// far. The others stay, and the answer stays ambiguous. Returns whether another comes first now.
+bool MultiHypothesisSearch::prefer_less_turn(double margin, std::vector<Hypothesis>& sorted) {
+  auto least = sorted.begin();
+  for (auto h = sorted.begin() + 1; h != sorted.end(); ++h) {
+    if (h->score > sorted.front().score - margin &&
+        std::abs(h->T_ref_scan.theta) < std::abs(least->T_ref_scan.theta) - kTwinTurn_rad)
+      least = h;
+  }
+  std::rotate(sorted.begin(), least, least + 1);
+  return least != sorted.begin();
 }
 
 void MultiHypothesisSearch::settle(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out) {
@@ -272,14 +300,15 @@ void MultiHypothesisSearch::look(const PreparedScan& reference, const PreparedSc
   clock.add_to(times.refine);
 }
 
-// Whether the best of kept_ explains the scans well, and clearly better than the next distinct one.
-bool MultiHypothesisSearch::convinces(const PreparedScan& reference) const {
+// Whether the best of kept_ explains the scans well and, without a guess, clearly better than the next distinct one.
+bool MultiHypothesisSearch::convinces(const PreparedScan& reference, bool guessed) const {
   if (kept_.empty()) return false;
   const Hypothesis& best = *std::max_element(
       kept_.begin(), kept_.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.score < b.score; });
-  return best.score >= kSureScore && std::none_of(kept_.begin(), kept_.end(), [&](const Hypothesis& h) {
-           return h.score > best.score - kSureMargin && !same_answer(h.T_ref_scan, best.T_ref_scan, reference.scale_m);
-         });
+  return best.score >= kSureScore && (guessed || std::none_of(kept_.begin(), kept_.end(), [&](const Hypothesis& h) {
+                                        return h.score > best.score - kSureMargin &&
+                                               !same_answer(h.T_ref_scan, best.T_ref_scan, reference.scale_m);
+                                      }));
 }
 
 void MultiHypothesisSearch::run(const PreparedScan& reference, const PreparedScan& scan,
@@ -295,13 +324,23 @@ void MultiHypothesisSearch::run(const PreparedScan& reference, const PreparedSca
   rotations_.list(reference, scan, guess, rotation_list_);
   clock.add_to(ms.rotation);
   look(reference, scan, guess, options_.candidates, ms);
-  if (options_.rotations == RotationSearch::kAutomatic && !guess && !convinces(reference)) {
+  bool guessed = guess.has_value();
+  if (options_.rotations == RotationSearch::kAutomatic && !convinces(reference, guessed)) {
+    // A guess that leads nowhere is given up: what it led to stands beside what is found everywhere.
+    of_guess_.clear();
+    if (guessed) of_guess_ = kept_;
+    guessed = false;
     rotations_.list_all(rotation_list_);
-    look(reference, scan, guess, kMoreInDoubt * options_.candidates, ms);
+    look(reference, scan, std::nullopt, kMoreInDoubt * options_.candidates, ms);
+    kept_.insert(kept_.end(), of_guess_.begin(), of_guess_.end());
   }
   clock = {};
   refine_finalists(reference, scan, out);
+  if (!guessed) prefer_less_turn(kTieMargin, out.hypotheses);
   settle(reference, scan, out);
+  // Along a corridor each twin is best where the noise happens to suit it.
+  if (!guessed && out.profile < kFlatProfile && prefer_less_turn(kSlidingTieMargin, out.hypotheses))
+    settle(reference, scan, out);
   clock.add_to(ms.refine);
 }
 

@@ -51,7 +51,8 @@ class MultiHypothesisSearch {
  public:
   explicit MultiHypothesisSearch(const MhOptions& options);
 
-  /// Finds T_ref_scan; with a guess, near it. No hypotheses where the scans have no hits.
+  /// Finds T_ref_scan; with a guess, near it, unless nothing there explains the scans. No hypotheses where the scans
+  /// have no hits.
   void run(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
            SearchOutcome& out, SearchTimes* times = nullptr);
 
@@ -59,17 +60,19 @@ class MultiHypothesisSearch {
   PrepareOptions prepare_options(bool reference) const;
 
  private:
-  void look(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
-            int candidates, SearchTimes& times);
-  bool convinces(const PreparedScan& reference) const;
+  void look(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess, int candidates,
+            SearchTimes& times);
+  bool convinces(const PreparedScan& reference, bool guessed) const;
   void sweep(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess);
   void thin(const PreparedScan& reference, std::size_t most);
   void refine_candidates(const PreparedScan& reference, const PreparedScan& scan);
   void add_twins(const PreparedScan& reference, const PreparedScan& scan);
+  void keep_finalists(std::vector<Hypothesis>& sorted) const;
   void refine_finalists(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out);
   void settle(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out);
   void refine_quickly(const PreparedScan& reference, const PreparedScan& scan, Hypothesis& hypothesis) const;
   int correlate(const PreparedScan& reference, const PreparedScan& scan, const Pose2& centre);
+  static bool prefer_less_turn(double margin, std::vector<Hypothesis>& sorted);
   static void sort_distinct(std::vector<Hypothesis>& all, double scale_m, std::vector<Hypothesis>& distinct);
 
   MhOptions options_;
@@ -78,7 +81,7 @@ class MultiHypothesisSearch {
   std::vector<RotationHypothesis> rotation_list_;
   std::vector<std::int32_t> offsets_;
   CorrelationWindow window_;
-  std::vector<Hypothesis> coarse_, kept_;
+  std::vector<Hypothesis> coarse_, kept_, of_guess_;
 };
 
 }  // namespace phasescan
