@@ -103,6 +103,13 @@ std::vector<Pose2> Slam::trajectory() const {
   return anchored(backend_->handed_in_poses());
 }
 
+std::optional<Pose2> Slam::pose_on_map(std::size_t scan) const {
+  const ScanRecord& r = records_.at(scan);
+  if (r.keyframe < 0 || static_cast<std::size_t>(r.keyframe) >= backend_->handed_in()) return std::nullopt;
+  return backend_->handed_in_pose(static_cast<std::size_t>(r.keyframe)) *
+         Pose2{static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.theta)};
+}
+
 OccupancyGrid Slam::render_map() const {
   OccupancyGrid grid(options_.map);
   const bool polished = !records_.empty() && polished_.size() == records_.size();

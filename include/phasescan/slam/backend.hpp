@@ -41,6 +41,12 @@ class Backend {
   /// Poses on the map of all keyframes that were handed in, in that order; in bounded-memory mode not every one became
   /// a node of the graph. With `odometry` as laser odometry saw them.
   std::vector<Pose2> handed_in_poses(bool odometry = false) const;
+  std::size_t handed_in() const { return handed_.size(); }
+  /// One of them. @param keyframe  below handed_in()
+  Pose2 handed_in_pose(std::size_t keyframe) const {
+    const Handed& h = handed_[keyframe];
+    return graph_.poses()[static_cast<std::size_t>(h.node)] * h.T_node_keyframe();
+  }
 
   /// The nodes of the graph.
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }

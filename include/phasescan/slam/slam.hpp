@@ -44,6 +44,9 @@ class Slam {
 
   /// One pose of the base per scan that was added, in that order. Before finish() as far as is known.
   std::vector<Pose2> trajectory() const;
+  /// The pose of one scan as the map has it now; empty while its keyframe waits to be handed to the backend. Before
+  /// finish() only with one thread.
+  std::optional<Pose2> pose_on_map(std::size_t scan) const;
   /// The map that the keyframes' scans draw from their poses as they stand.
   OccupancyGrid render_map() const;
   /// The trajectory as laser odometry alone saw it.
