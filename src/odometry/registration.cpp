@@ -9,6 +9,10 @@
 namespace phasescan {
 namespace {
 
+// The noise of the normals adds `leak` on average; what a match claims beyond that along a bare wall is chance, and only
+// what stands well clear of it is a surface that was seen.
+constexpr double kLeakTimes = 3.0;
+
 // One pass over the points at a pose: normal equations with a Geman-McClure kernel as wide as the gate asks.
 struct Pass {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
@@ -85,7 +89,7 @@ Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, dou
     ++pass.partners;
   }
   pass.H = symmetric(h);
-  pass.leak = symmetric(leak);
+  pass.leak = kLeakTimes * symmetric(leak);
   pass.g = Eigen::Vector3f(g[0], g[1], g[2]).cast<double>();
   pass.squares = static_cast<double>(squares);
   if (pass.partners > 0) pass.blunting = static_cast<double>(blunted) / pass.partners;
