@@ -23,4 +23,10 @@ double largest_deviation(const Eigen::Matrix3d& information) {
   return std::sqrt(0.5 * covariance.trace() + std::hypot(half, covariance(0, 1)));
 }
 
+bool sees_both_ways(const Eigen::Matrix3d& information) {
+  constexpr double kSeenM = 0.2;
+  const Eigen::Matrix3d weak = 1e-3 * Eigen::Matrix3d::Identity();
+  return largest_deviation(information + weak) < kSeenM;
+}
+
 }  // namespace phasescan

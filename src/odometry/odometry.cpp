@@ -82,11 +82,7 @@ Pose2 Odometry::predict(const std::optional<Pose2>& wheel_step, double periods, 
   return best;
 }
 
-PosePrior Odometry::make_prior(const Pose2& start, double periods) const {
-  // Robots keep on doing what they did.
-  Pose2 mean = scaled(step_, periods);
-  mean.theta = start.theta;
-  Eigen::Matrix3d covariance = step_covariance_;
+PosePrior Odometry::make_prior(const Pose2& mean, Eigen::Matrix3d covariance, double periods) const {
   covariance.diagonal() += Eigen::Vector3d(kChangeM * kChangeM, kChangeM * kChangeM, kChangeRad * kChangeRad);
   covariance *= periods * periods;
   PosePrior prior;
@@ -156,14 +152,19 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step_covariance_ = 100.0 * kUnknownStep.asDiagonal();
   }
   const Pose2 predicted = predict(wheel_step, timing.periods, &score);
-  PosePrior prior = make_prior(predicted, timing.periods);
+  // Robots keep on doing what they did.
+  Pose2 mean = scaled(step_, timing.periods);
+  mean.theta = predicted.theta;
+  PosePrior prior = make_prior(mean, step_covariance_, timing.periods);
+  habits_.add(surface_);
+  ask_habits_ = options_.motion_habits && !(wheel_step && wheels_.trust_distance() >= kLeastTrust);
   Pose2 T_map_odom = map_.T_world_map().inverse();
   Registration found;
   found.T_map_base = T_map_odom * T_odom_mid_ * predicted;
   if (points_->with_normal >= kMinPoints) {
     // Where the scan's points are expressed, seen from its stamp.
     const Pose2 T_stamp_mid = exp_twist(options_.deskew ? twist : Twist2{}, middle_s(scan, timing.duration_s));
-    found = match(scan, mount, T_stamp_mid, found.T_map_base, prior, step);
+    found = match(scan, mount, T_stamp_mid, found.T_map_base, timing.periods, prior, step);
     if (options_.deskew && timing.duration_s > 0.0 && seconds > 0.0) {
       // The motion found says how the scan was bent: once more, unbent.
       const Twist2 better = log_pose((T_map_odom * T_odom_mid_).inverse() * found.T_map_base);
@@ -201,6 +202,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     untracked_ = 0;
     usual_score_ = kSlow * usual_score_ + (1.0 - kSlow) * std::max(score, 0.0);
     step_ = scaled(moved, 1.0 / timing.periods);
+    habits_.learn(step_, sees_both_ways(seen));
   } else {
     ++untracked_;
     if (wheel_step && wheels_.trust_distance() > 0.6) moved = *wheel_step;

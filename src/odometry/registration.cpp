@@ -9,8 +9,8 @@
 namespace phasescan {
 namespace {
 
-// The noise of the normals adds `leak` on average; what a match claims beyond that along a bare wall is chance, and only
-// what stands well clear of it is a surface that was seen.
+// The noise of the normals adds `leak` on average; what a match claims beyond that along a bare wall is chance, and
+// only what stands well clear of it is a surface that was seen.
 constexpr double kLeakTimes = 3.0;
 
 // One pass over the points at a pose: normal equations with a Geman-McClure kernel as wide as the gate asks.

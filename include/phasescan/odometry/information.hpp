@@ -17,4 +17,8 @@ Eigen::Matrix3d positive_part(const Eigen::Matrix3d& matrix);
 /// Standard deviation of the position in the direction that is known least [m].
 double largest_deviation(const Eigen::Matrix3d& information);
 
+/// Whether a match with that (believed) information shows the position in every direction: in a bare corridor it does
+/// not.
+bool sees_both_ways(const Eigen::Matrix3d& information);
+
 }  // namespace phasescan
