@@ -3,8 +3,11 @@
 #include "phasescan/odometry/information.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace phasescan {
 namespace {
@@ -12,6 +15,11 @@ namespace {
 // The noise of the normals adds `leak` on average; what a match claims beyond that along a bare wall is chance, and
 // only what stands well clear of it is a surface that was seen.
 constexpr double kLeakTimes = 3.0;
+// A direction that is seen so much less than the other (of the variances) rests on few surfaces. They must be some
+// pieces, of a cell each, and more than a passer-by has where they contradict what is known of the motion.
+constexpr double kLopsided = 0.2;
+constexpr float kLeastPieces = 3.0F, kPiecesOfPeople = 7.0F;
+constexpr double kContradiction = 9.0;  // squared Mahalanobis distance
 
 // One pass over the points at a pose: normal equations with a Geman-McClure kernel as wide as the gate asks.
 struct Pass {
@@ -105,28 +113,80 @@ Eigen::Vector3d match_gradient_step(const Pass& pass) {
   return step.allFinite() ? step : Eigen::Vector3d::Zero();
 }
 
-}  // namespace
+/// What the match sees, the noise of the normals and a direction without support taken out.
+Eigen::Matrix3d seen_by(const Pass& pass, const std::optional<Eigen::Vector3d>& blind) {
+  Eigen::Matrix3d H = positive_part(pass.H - pass.leak);
+  if (!blind) return H;
+  const Eigen::Vector3d along = H * *blind;
+  const double all = blind->dot(along);
+  if (all > 0.0) H -= along * along.transpose() / all;
+  return positive_part(H);
+}
 
-Registration register_points(const LocalMap& map, const MapPoints& points, const Pose2& guess,
-                             const RegistrationOptions& options, const std::optional<PosePrior>& prior) {
+/// The direction of (x, y, theta) that is seen least, if what shows it is no more than a few small pieces of surface:
+/// somebody who walks along a corridor with the robot, or the roughness of one spot near the sensor.
+std::optional<Eigen::Vector3d> unsupported_direction(const LocalMap& map, const MapPoints& points, const Pose2& T,
+                                                     const std::optional<PosePrior>& prior, const Pass& pass,
+                                                     double gate_m, double min_cosine) {
+  const Eigen::Matrix3d covariance = (seen_by(pass, std::nullopt) + 1e-3 * Eigen::Matrix3d::Identity()).inverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
+  if (eigen.eigenvalues()(0) > kLopsided * eigen.eigenvalues()(1)) return std::nullopt;
+  Eigen::Vector3d u = covariance.leftCols<2>() * eigen.eigenvectors().col(1);
+  u /= u.head<2>().norm();
+  const Eigen::Vector3f d = u.cast<float>();
+  const auto c = static_cast<float>(std::cos(T.theta)), s = static_cast<float>(std::sin(T.theta));
+  const auto tx = static_cast<float>(T.x), ty = static_cast<float>(T.y), gate = static_cast<float>(gate_m);
+  std::vector<float> shown(map.surfels().size(), 0.0F);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points.lone(i)) continue;
+    const float rx = c * points.x[i] - s * points.y[i], ry = s * points.x[i] + c * points.y[i];
+    const float nx = c * points.nx[i] - s * points.ny[i], ny = s * points.nx[i] + c * points.ny[i];
+    const Surfel* surfel = map.find(rx + tx, ry + ty, nx, ny, static_cast<float>(min_cosine));
+    if (!surfel) continue;
+    const float e = (rx + tx - surfel->x) * surfel->nx + (ry + ty - surfel->y) * surfel->ny;
+    if (std::fabs(e) > gate) continue;
+    const float across = surfel->nx * d.x() + surfel->ny * d.y() + (rx * surfel->ny - ry * surfel->nx) * d.z();
+    const float along = surfel->ny * d.x() - surfel->nx * d.y() + (rx * surfel->nx + ry * surfel->ny) * d.z();
+    const float leak = static_cast<float>(kLeakTimes) * surfel->normal_variance * along * along;
+    const float variance = points.variance[i] + surfel->variance + 0.04F * gate * gate;
+    shown[static_cast<std::size_t>(surfel - map.surfels().data())] += std::max(0.0F, across * across - leak) / variance;
+  }
+  float sum = 0.0F, squares = 0.0F;
+  for (const float v : shown) sum += v, squares += v * v;
+  // How many pieces of surface the knowledge is spread over, as if all told as much.
+  const float pieces = squares > 0.0F ? sum * sum / squares : 0.0F;
+  if (pieces < kLeastPieces) return u;
+  if (pieces > kPiecesOfPeople || !prior) return std::nullopt;
+  const double off = u.head<2>().dot(Eigen::Vector2d(T.x - prior->T_map_base.x, T.y - prior->T_map_base.y));
+  const double known = kMatchTrust * u.dot(prior->information * u);
+  return off * off * known > kContradiction ? std::optional<Eigen::Vector3d>(u) : std::nullopt;
+}
+
+/// Where a registration is, and its last pass.
+struct Descent {
   Registration result;
-  result.T_map_base = guess;
-  if (map.empty() || points.with_normal == 0) return result;
-  double gate = options.gate_start_m;
   Pass pass;
-  for (result.iterations = 1; result.iterations <= options.max_iterations; ++result.iterations) {
-    pass = linearise(map, points, result.T_map_base, gate, options.min_normal_cosine);
-    if (pass.partners < 5) break;
-    Eigen::Matrix3d H = pass.H;
-    Eigen::Vector3d g = pass.g;
+  double gate_m = 0.0;
+};
+
+/// Steps until they are small. @param blind  a direction that the match is not asked about
+void descend(const LocalMap& map, const MapPoints& points, const RegistrationOptions& options,
+             const std::optional<PosePrior>& prior, const std::optional<Eigen::Vector3d>& blind, Descent& at) {
+  Registration& result = at.result;
+  for (int step_count = 1; step_count <= options.max_iterations; ++step_count) {
+    ++result.iterations;
+    at.pass = linearise(map, points, result.T_map_base, at.gate_m, options.min_normal_cosine);
+    if (at.pass.partners < 5) return;
+    Eigen::Matrix3d H = at.pass.H;
+    Eigen::Vector3d g = at.pass.g;
     if (prior) {
       // Along a corridor the normals' noise alone would hold the pose where it is: there the prior has the word.
-      H = positive_part(pass.H - pass.leak);
-      g = H * match_gradient_step(pass);
+      H = seen_by(at.pass, blind);
+      g = H * match_gradient_step(at.pass);
       const Eigen::Vector3d off(result.T_map_base.x - prior->T_map_base.x, result.T_map_base.y - prior->T_map_base.y,
                                 wrap_angle(result.T_map_base.theta - prior->T_map_base.theta));
       // While the kernel is wide the match speaks softly, and so does the prior: else it would settle the matter first.
-      const Eigen::Matrix3d P = pass.blunting * prior->information;
+      const Eigen::Matrix3d P = at.pass.blunting * prior->information;
       H += P;
       g += P * off;
     }
@@ -136,20 +196,38 @@ Registration register_points(const LocalMap& map, const MapPoints& points, const
     H(1, 1) += 1e-4 * scale;
     H(2, 2) += 1e-4 * H(2, 2) + 1e-9;
     const Eigen::Vector3d step = -H.ldlt().solve(g);
-    if (!step.allFinite()) break;
+    if (!step.allFinite()) return;
     result.T_map_base.x += step.x();
     result.T_map_base.y += step.y();
     result.T_map_base.theta = wrap_angle(result.T_map_base.theta + step.z());
     const bool small = std::hypot(step.x(), step.y()) < options.stop_m && std::abs(step.z()) < options.stop_rad;
-    if (small && gate <= options.gate_end_m) {
+    if (small && at.gate_m <= options.gate_end_m) {
       result.converged = true;
-      break;
+      return;
     }
     // The gate follows the error: far off it stays wide for a while.
-    if (std::hypot(step.x(), step.y()) + 2.0 * std::abs(step.z()) < 0.5 * gate)
-      gate = std::max(options.gate_end_m, 0.6 * gate);
+    if (std::hypot(step.x(), step.y()) + 2.0 * std::abs(step.z()) < 0.5 * at.gate_m)
+      at.gate_m = std::max(options.gate_end_m, 0.6 * at.gate_m);
   }
-  result.information = positive_part(pass.H - pass.leak);
+}
+
+}  // namespace
+
+Registration register_points(const LocalMap& map, const MapPoints& points, const Pose2& guess,
+                             const RegistrationOptions& options, const std::optional<PosePrior>& prior) {
+  Descent at;
+  at.result.T_map_base = guess;
+  if (map.empty() || points.with_normal == 0) return at.result;
+  at.gate_m = options.gate_start_m;
+  descend(map, points, options, prior, std::nullopt, at);
+  Registration& result = at.result;
+  std::optional<Eigen::Vector3d> blind;
+  if (at.pass.partners >= 5 && result.T_map_base.is_finite()) {
+    blind = unsupported_direction(map, points, result.T_map_base, prior, at.pass, at.gate_m, options.min_normal_cosine);
+    if (blind && prior) descend(map, points, options, prior, blind, at);
+  }
+  const Pass& pass = at.pass;
+  result.information = seen_by(pass, blind);
   result.overlap =
       static_cast<double>(pass.partners) / static_cast<double>(std::max<std::size_t>(points.with_normal, 1));
   result.residual_m = pass.partners > 0 ? std::sqrt(pass.squares / pass.partners) : 0.0;
