@@ -18,6 +18,7 @@ constexpr std::size_t kMinPoints = 12;
 constexpr double kLeastTrust = 0.6;  // wheels that agreed less often lately are not heard
 constexpr double kContradiction =
     11.3;  // squared Mahalanobis distance (99 %) beyond which a step of the wheels is outvoted
+constexpr double kDoubtfulM = 0.15;  // standard deviation since the last keyframe that asks for another
 constexpr double kChangeM = 0.025, kChangeRad = 0.06;  // how much the motion per scan changes from one to the next
 const Eigen::Vector3d kUnknownStep(0.05 * 0.05, 0.05 * 0.05, 0.1 * 0.1);
 
@@ -242,7 +243,9 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     const Pose2 since = window_.back().T_odom_base.inverse() * T_odom_mid_;
     const double share = std::hypot(since.x, since.y) / options_.keyframe_distance_m +
                          std::abs(since.theta) / deg_to_rad(options_.keyframe_angle_deg);
-    if (share > 1.0 || (step.overlap < 0.6 && share > 0.3)) insert_keyframe(step);
+    // What was driven unseen is corrected between keyframes: they must stand close there, however far it seemed.
+    const bool doubtful = largest_deviation(step.information) > kDoubtfulM;
+    if (share > 1.0 || (step.overlap < 0.6 && share > 0.3) || doubtful) insert_keyframe(step);
   }
   return step;
 }

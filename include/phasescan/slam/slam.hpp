@@ -73,6 +73,7 @@ class Slam {
   std::vector<Keyframe> batch_;
   Pose2 T_odom_keyframe_;
   std::int32_t keyframes_ = 0;
+  std::vector<std::int32_t> breaks_;  // keyframes at which a new local map was begun
 };
 
 }  // namespace phasescan
