@@ -19,6 +19,8 @@ constexpr double kLeakTimes = 3.0;
 // pieces, of a cell each, and more than a passer-by has where they contradict what is known of the motion.
 constexpr double kLopsided = 0.2;
 constexpr float kLeastPieces = 3.0F, kPiecesOfPeople = 7.0F;
+// The noise of the normals adds `leak` on average; what is not well clear of it is chance.
+constexpr double kClearOfLeak = 3.0;
 constexpr double kContradiction = 9.0;  // squared Mahalanobis distance
 
 // One pass over the points at a pose: normal equations with a Geman-McClure kernel as wide as the gate asks.
@@ -97,7 +99,7 @@ Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, dou
     ++pass.partners;
   }
   pass.H = symmetric(h);
-  pass.leak = kLeakTimes * symmetric(leak);
+  pass.leak = symmetric(leak);
   pass.g = Eigen::Vector3f(g[0], g[1], g[2]).cast<double>();
   pass.squares = static_cast<double>(squares);
   if (pass.partners > 0) pass.blunting = static_cast<double>(blunted) / pass.partners;
@@ -113,24 +115,30 @@ Eigen::Vector3d match_gradient_step(const Pass& pass) {
   return step.allFinite() ? step : Eigen::Vector3d::Zero();
 }
 
-/// What the match sees, the noise of the normals and a direction without support taken out.
-Eigen::Matrix3d seen_by(const Pass& pass, const std::optional<Eigen::Vector3d>& blind) {
-  Eigen::Matrix3d H = positive_part(pass.H - pass.leak);
-  if (!blind) return H;
-  const Eigen::Vector3d along = H * *blind;
-  const double all = blind->dot(along);
+/// What is held against a match: how many times the noise of the normals is taken out, and a direction without support.
+struct Distrust {
+  double leak_times = 1.0;
+  std::optional<Eigen::Vector3d> blind;
+};
+
+/// What the match sees.
+Eigen::Matrix3d seen_by(const Pass& pass, const Distrust& distrust) {
+  Eigen::Matrix3d H = positive_part(pass.H - distrust.leak_times * pass.leak);
+  if (!distrust.blind) return H;
+  const Eigen::Vector3d along = H * *distrust.blind;
+  const double all = distrust.blind->dot(along);
   if (all > 0.0) H -= along * along.transpose() / all;
   return positive_part(H);
 }
 
-/// The direction of (x, y, theta) that is seen least, if what shows it is no more than a few small pieces of surface:
-/// somebody who walks along a corridor with the robot, or the roughness of one spot near the sensor.
-std::optional<Eigen::Vector3d> unsupported_direction(const LocalMap& map, const MapPoints& points, const Pose2& T,
-                                                     const std::optional<PosePrior>& prior, const Pass& pass,
-                                                     double gate_m, double min_cosine) {
-  const Eigen::Matrix3d covariance = (seen_by(pass, std::nullopt) + 1e-3 * Eigen::Matrix3d::Identity()).inverse();
+/// Where one direction is seen much less than the other: what to distrust of it. What shows it must stand clear of the
+/// noise of the normals, and be more than a few small pieces of surface: somebody who walks along a corridor with the
+/// robot, or the roughness of one spot near the sensor.
+Distrust distrust_of(const LocalMap& map, const MapPoints& points, const Pose2& T,
+                     const std::optional<PosePrior>& prior, const Pass& pass, double gate_m, double min_cosine) {
+  const Eigen::Matrix3d covariance = (seen_by(pass, {}) + 1e-3 * Eigen::Matrix3d::Identity()).inverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
-  if (eigen.eigenvalues()(0) > kLopsided * eigen.eigenvalues()(1)) return std::nullopt;
+  if (eigen.eigenvalues()(0) > kLopsided * eigen.eigenvalues()(1)) return {};
   Eigen::Vector3d u = covariance.leftCols<2>() * eigen.eigenvectors().col(1);
   u /= u.head<2>().norm();
   const Eigen::Vector3f d = u.cast<float>();
@@ -147,7 +155,7 @@ std::optional<Eigen::Vector3d> unsupported_direction(const LocalMap& map, const 
     if (std::fabs(e) > gate) continue;
     const float across = surfel->nx * d.x() + surfel->ny * d.y() + (rx * surfel->ny - ry * surfel->nx) * d.z();
     const float along = surfel->ny * d.x() - surfel->nx * d.y() + (rx * surfel->nx + ry * surfel->ny) * d.z();
-    const float leak = static_cast<float>(kLeakTimes) * surfel->normal_variance * along * along;
+    const float leak = static_cast<float>(kClearOfLeak) * surfel->normal_variance * along * along;
     const float variance = points.variance[i] + surfel->variance + 0.04F * gate * gate;
     shown[static_cast<std::size_t>(surfel - map.surfels().data())] += std::max(0.0F, across * across - leak) / variance;
   }
@@ -155,11 +163,12 @@ std::optional<Eigen::Vector3d> unsupported_direction(const LocalMap& map, const 
   for (const float v : shown) sum += v, squares += v * v;
   // How many pieces of surface the knowledge is spread over, as if all told as much.
   const float pieces = squares > 0.0F ? sum * sum / squares : 0.0F;
-  if (pieces < kLeastPieces) return u;
-  if (pieces > kPiecesOfPeople || !prior) return std::nullopt;
+  if (pieces < kLeastPieces) return {kClearOfLeak, u};
+  if (pieces > kPiecesOfPeople || !prior) return {kClearOfLeak, std::nullopt};
   const double off = u.head<2>().dot(Eigen::Vector2d(T.x - prior->T_map_base.x, T.y - prior->T_map_base.y));
   const double known = kMatchTrust * u.dot(prior->information * u);
-  return off * off * known > kContradiction ? std::optional<Eigen::Vector3d>(u) : std::nullopt;
+  if (off * off * known > kContradiction) return {kClearOfLeak, u};
+  return {kClearOfLeak, std::nullopt};
 }
 
 /// Where a registration is, and its last pass.
@@ -169,9 +178,9 @@ struct Descent {
   double gate_m = 0.0;
 };
 
-/// Steps until they are small. @param blind  a direction that the match is not asked about
+/// Steps until they are small.
 void descend(const LocalMap& map, const MapPoints& points, const RegistrationOptions& options,
-             const std::optional<PosePrior>& prior, const std::optional<Eigen::Vector3d>& blind, Descent& at) {
+             const std::optional<PosePrior>& prior, const Distrust& distrust, Descent& at) {
   Registration& result = at.result;
   for (int step_count = 1; step_count <= options.max_iterations; ++step_count) {
     ++result.iterations;
@@ -181,7 +190,7 @@ void descend(const LocalMap& map, const MapPoints& points, const RegistrationOpt
     Eigen::Vector3d g = at.pass.g;
     if (prior) {
       // Along a corridor the normals' noise alone would hold the pose where it is: there the prior has the word.
-      H = seen_by(at.pass, blind);
+      H = seen_by(at.pass, distrust);
       g = H * match_gradient_step(at.pass);
       const Eigen::Vector3d off(result.T_map_base.x - prior->T_map_base.x, result.T_map_base.y - prior->T_map_base.y,
                                 wrap_angle(result.T_map_base.theta - prior->T_map_base.theta));
@@ -219,15 +228,15 @@ Registration register_points(const LocalMap& map, const MapPoints& points, const
   at.result.T_map_base = guess;
   if (map.empty() || points.with_normal == 0) return at.result;
   at.gate_m = options.gate_start_m;
-  descend(map, points, options, prior, std::nullopt, at);
+  Distrust distrust;
+  descend(map, points, options, prior, distrust, at);
   Registration& result = at.result;
-  std::optional<Eigen::Vector3d> blind;
   if (at.pass.partners >= 5 && result.T_map_base.is_finite()) {
-    blind = unsupported_direction(map, points, result.T_map_base, prior, at.pass, at.gate_m, options.min_normal_cosine);
-    if (blind && prior) descend(map, points, options, prior, blind, at);
+    distrust = distrust_of(map, points, result.T_map_base, prior, at.pass, at.gate_m, options.min_normal_cosine);
+    if (prior && distrust.leak_times > 1.0) descend(map, points, options, prior, distrust, at);
   }
   const Pass& pass = at.pass;
-  result.information = seen_by(pass, blind);
+  result.information = seen_by(pass, distrust);
   result.overlap =
       static_cast<double>(pass.partners) / static_cast<double>(std::max<std::size_t>(points.with_normal, 1));
   result.residual_m = pass.partners > 0 ? std::sqrt(pass.squares / pass.partners) : 0.0;
