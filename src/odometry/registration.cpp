@@ -240,7 +240,7 @@ void doubt_weak_direction(const LocalMap& map, const MapPoints& points, const Re
   };
   distrust.leak_times = kClearOfLeak;
   const Evidence here = evidence(at.result.T_map_base);
-  if (here.pieces < kLeastPieces) distrust.blind = u;
+  if (here.pieces < kLeastPieces || (here.pieces < kMostPieces && here.fitting == 0)) distrust.blind = u;
   if (!prior) return;
   if (!distrust.blind && here.pieces < kMostPieces) {
     const Pose2& T = at.result.T_map_base;

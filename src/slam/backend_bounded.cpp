@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "edge_information.hpp"
 #include "phasescan/odometry/information.hpp"
 #include "phasescan/odometry/registration.hpp"
 #include "phasescan/slam/backend.hpp"
@@ -68,7 +69,7 @@ void Backend::settle(Keyframe keyframe) {
   if (handed_.empty()) return take(std::move(keyframe));
   const Pose2 guess = guess_of(keyframe);
   const Sight sight = look(keyframe, guess);
-  if (keyframe.new_segment) since_fit_m_ += kBreakM;
+  if (keyframe.new_segment && since_fit_m_ < kBreakM) since_fit_m_ = kBreakM, sure_nodes_ = keyframes_.size();
   if (since_fit_m_ < kBreakM && sight.around >= kShownKeyframes && sight.overlap > kShownOverlap) {
     // The way here was right: what waits stands where it was thought to.
     settle_waiting();
@@ -81,17 +82,27 @@ void Backend::settle(Keyframe keyframe) {
   waiting_.push_back(std::move(keyframe));
   bool known = sight.around > 0;
   if (options_.loops.enabled && options_.loops.places) {
-    if (const std::optional<Pose2> pose = recognise(waiting_.back(), guess)) {
-      if (translation_distance(*pose, guess) < options_.loops.small_error_m) {
+    if (const std::optional<Suspicion> other = recognise(waiting_.back(), guess)) {
+      const double off = translation_distance(other->pose, guess);
+      if (off < options_.loops.small_error_m) {
         since_fit_m_ = 0.0;
         return settle_waiting();
       }
-      suspicions_.push_back({guess, *pose});
-      if (jump()) return;
+      suspicions_.push_back(*other);
+      // Rooms look alike; but the way here is known too.
+      if (off < options_.loops.near_radius_m + options_.loops.most_drift * since_fit_m_ && jump()) return;
     }
     known = known || !suspicions_.empty();
   }
-  if (!known || waiting_.size() > kMostWaiting) settle_waiting();
+  if (!known || waiting_.size() > kMostWaiting) {
+    // It may be another place: what comes now hangs on what was before by no more than a guess, until loops tell.
+    if (!suspicions_.empty() && since_fit_m_ < kBreakM) {
+      waiting_.front().new_segment = true;
+      since_fit_m_ = kBreakM;
+      sure_nodes_ = keyframes_.size();
+    }
+    settle_waiting();
+  }
 }
 
 void Backend::settle_waiting() {
@@ -113,18 +124,20 @@ void Backend::settle_waiting() {
   }
 }
 
-std::optional<Pose2> Backend::recognise(const Keyframe& keyframe, const Pose2& guess) {
-  std::optional<Pose2> best;
-  for (const PlaceMatch& place : places_.find(keyframe, keyframes_, graph_.poses())) {
+std::optional<Backend::Suspicion> Backend::recognise(const Keyframe& keyframe, const Pose2& guess) {
+  std::optional<Suspicion> best;
+  // What was added since the tracker was last sure of its place says nothing of that place.
+  const std::size_t sure = since_fit_m_ < kBreakM ? keyframes_.size() : sure_nodes_;
+  for (const PlaceMatch& place : places_.find(keyframe, keyframes_, graph_.poses(), sure)) {
     const Pose2 there = graph_.poses()[static_cast<std::size_t>(place.node)] * place.T_node_query;
-    const double off = translation_distance(there, guess);
-    if (off > options_.loops.near_radius_m && off > options_.loops.most_drift * since_fit_m_) continue;
     const LocalMap& map = surroundings(place.node);
     const Registration found = register_points(map, *keyframe.points, map.T_world_map().inverse() * there);
     if (!found.converged || found.overlap < kShownOverlap) continue;
     if (largest_deviation(kMatchTrust * found.information) > kKnownM) continue;
     const Pose2 pose = map.T_world_map() * found.T_map_base;
-    if (!best || translation_distance(pose, guess) < options_.loops.small_error_m) best = pose;
+    if (best && translation_distance(pose, guess) > options_.loops.small_error_m) continue;
+    const Eigen::Matrix3d seen = kMatchTrust * rotate_information(found.information, -found.T_map_base.theta);
+    best = Suspicion{guess, pose, place.node, waiting_.size() - 1, edge_information(seen, 3.0, 0.5)};
   }
   return best;
 }
@@ -140,9 +153,8 @@ bool Backend::jump() {
   if (votes < options_.loops.votes) return false;
   const double off = translation_distance(last.pose, last.guess);
   if (off < options_.loops.small_error_m + options_.loops.most_drift * since_loop_m_) {
-    // As much as the new part of the map may have drifted: a matter for loops.
-    settle_waiting();
-    return true;
+    // As much as the new part of the map may be off: a matter for the graph.
+    return join_waiting();
   }
   // The tracker slipped while it was sure of itself. The map is right; no edge may tell it otherwise.
   const Pose2 correction = last.pose * last.guess.inverse();
@@ -152,6 +164,23 @@ bool Backend::jump() {
   waiting_.clear();
   suspicions_.clear();
   since_loop_m_ = since_fit_m_ = 0.0;
+  return true;
+}
+
+bool Backend::join_waiting() {
+  std::vector<Keyframe> waiting;
+  std::vector<Suspicion> suspicions;
+  waiting.swap(waiting_);
+  suspicions.swap(suspicions_);
+  for (std::size_t i = 0; i < waiting.size(); ++i) {
+    take(std::move(waiting[i]));
+    for (const Suspicion& s : suspicions) {
+      if (s.waiting != i) continue;
+      const Pose2 T_from_to = graph_.poses()[static_cast<std::size_t>(s.node)].inverse() * s.pose;
+      believe({s.node, static_cast<int>(keyframes_.size()) - 1, T_from_to, s.information, 1.0});
+    }
+  }
+  surroundings_of_ = -1;
   return true;
 }
 

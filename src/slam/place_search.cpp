@@ -113,10 +113,12 @@ std::vector<PlaceMatch> PlaceSearch::add(std::span<const Keyframe> keyframes, st
 }
 
 std::vector<PlaceMatch> PlaceSearch::find(const Keyframe& query, std::span<const Keyframe> keyframes,
-                                          std::span<const Pose2> poses) {
+                                          std::span<const Pose2> poses, std::size_t nodes) {
   const Pose2 origin;
   const Scan view = view_at({&query, 1}, {&origin, 1}, 0, 0);
-  return impl_->search(view, impl_->describe(view), impl_->nodes.size(), keyframes, poses);
+  const auto& known = impl_->nodes;
+  const auto limit = std::lower_bound(known.begin(), known.end(), static_cast<int>(nodes)) - known.begin();
+  return impl_->search(view, impl_->describe(view), static_cast<std::size_t>(limit), keyframes, poses);
 }
 
 }  // namespace phasescan

@@ -73,13 +73,17 @@ class Backend {
   /// A place that looks like what a keyframe sees, elsewhere than it should be.
   struct Suspicion {
     Pose2 guess, pose;
+    int node = 0;             ///< that shows the place
+    std::size_t waiting = 0;  ///< which of the waiting keyframes
+    Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
   };
   void settle(Keyframe keyframe);
   void settle_waiting();
   void stand(const Keyframe& keyframe, const Pose2& pose);
   Sight look(const Keyframe& keyframe, const Pose2& guess);
-  std::optional<Pose2> recognise(const Keyframe& keyframe, const Pose2& guess);
+  std::optional<Suspicion> recognise(const Keyframe& keyframe, const Pose2& guess);
   bool jump();
+  bool join_waiting();
   Pose2 guess_of(const Keyframe& keyframe) const;
   const LocalMap& surroundings(int node);
 
@@ -124,6 +128,7 @@ class Backend {
   std::vector<Keyframe> waiting_;      // bounded memory: keyframes that do not fit the map where they should be
   std::vector<Suspicion> suspicions_;  // of those
   double since_fit_m_ = 0.0;           // way since a keyframe fitted the map
+  std::size_t sure_nodes_ = 0;         // nodes from before a break since which none did
   int nodes_at_optimize_ = 0;
   std::size_t new_edges_ = 0;
   bool large_correction_ = false;
