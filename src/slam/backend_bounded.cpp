@@ -13,7 +13,7 @@ namespace {
 
 // A place is shown well enough when so many keyframes look at it from so near, and a scan there fits so well.
 constexpr int kShownKeyframes = 2, kMostKeyframes = 8;
-constexpr double kShownM = 0.8, kShownViewM = 1.5, kShownOverlap = 0.7;
+constexpr double kShownM = 0.8, kShownViewM = 1.5, kShownOverlap = 0.7, kShownByOneOverlap = 0.9;
 constexpr double kKnownM = 0.1;  // standard deviation of a pose that is known in both directions
 constexpr std::size_t kSurroundings = 16;
 constexpr std::size_t kMostWaiting = 8;
@@ -50,7 +50,8 @@ Backend::Sight Backend::look(const Keyframe& keyframe, const Pose2& guess) {
   const LocalMap& map = surroundings(nearest);
   const Registration found = register_points(map, *keyframe.points, map.T_world_map().inverse() * guess);
   const Pose2 pose = map.T_world_map() * found.T_map_base;
-  if (!found.converged || translation_distance(pose, guess) > options_.loops.small_error_m) return sight;
+  // A match that still trembles by a millimetre after all its steps is as good as one that came to rest.
+  if (translation_distance(pose, guess) > options_.loops.small_error_m) return sight;
   sight.overlap = found.overlap;
   if (found.overlap > options_.odometry.min_overlap) sight.pose = pose;
   return sight;
@@ -70,7 +71,8 @@ void Backend::settle(Keyframe keyframe) {
   const Pose2 guess = guess_of(keyframe);
   const Sight sight = look(keyframe, guess);
   if (keyframe.new_segment && since_fit_m_ < kBreakM) since_fit_m_ = kBreakM, sure_nodes_ = keyframes_.size();
-  if (since_fit_m_ < kBreakM && sight.around >= kShownKeyframes && sight.overlap > kShownOverlap) {
+  const bool shown = sight.overlap > (sight.around >= kShownKeyframes ? kShownOverlap : kShownByOneOverlap);
+  if (since_fit_m_ < kBreakM && shown) {
     // The way here was right: what waits stands where it was thought to.
     settle_waiting();
     stand(keyframe, sight.pose);
@@ -111,11 +113,12 @@ void Backend::settle_waiting() {
   waiting.swap(waiting_);
   for (Keyframe& keyframe : waiting) {
     const Sight sight = look(keyframe, guess_of(keyframe));
-    const double enough = sight.around > kMostKeyframes / 2 ? options_.odometry.min_overlap : kShownOverlap;
+    const double enough = sight.around > kMostKeyframes / 2 ? options_.odometry.min_overlap
+                          : sight.around >= kShownKeyframes ? kShownOverlap
+                                                            : kShownByOneOverlap;
     // Where the place has all the keyframes it may have, a scan that does not fit (people) stands where odometry puts
     // it.
-    if (!keyframe.new_segment &&
-        (sight.around >= kMostKeyframes || (sight.around >= kShownKeyframes && sight.overlap > enough))) {
+    if (!keyframe.new_segment && (sight.around >= kMostKeyframes || sight.overlap > enough)) {
       stand(keyframe, sight.pose);
     } else {
       take(std::move(keyframe));
@@ -132,7 +135,7 @@ std::optional<Backend::Suspicion> Backend::recognise(const Keyframe& keyframe, c
     const Pose2 there = graph_.poses()[static_cast<std::size_t>(place.node)] * place.T_node_query;
     const LocalMap& map = surroundings(place.node);
     const Registration found = register_points(map, *keyframe.points, map.T_world_map().inverse() * there);
-    if (!found.converged || found.overlap < kShownOverlap) continue;
+    if (found.overlap < kShownOverlap) continue;
     if (largest_deviation(kMatchTrust * found.information) > kKnownM) continue;
     const Pose2 pose = map.T_world_map() * found.T_map_base;
     if (best && translation_distance(pose, guess) > options_.loops.small_error_m) continue;
