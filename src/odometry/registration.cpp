@@ -17,7 +17,7 @@ namespace {
 constexpr double kLeakTimes = 3.0;
 // A direction that is seen so much less than the other (of the variances) rests on few surfaces. They must be some
 // pieces, of a cell each, and more than a passer-by has where they contradict what is known of the motion.
-constexpr double kLopsided = 0.2;
+constexpr double kLopsided = 0.35;
 constexpr float kLeastPieces = 3.0F, kPiecesOfPeople = 7.0F, kMostPieces = 12.0F;
 constexpr float kShowing = 0.1F, kFits = 4.0F;  // squares: of a cosine that shows something; of standard deviations
 // The noise of the normals adds `leak` on average; what is not well clear of it is chance.
@@ -242,13 +242,13 @@ void doubt_weak_direction(const LocalMap& map, const MapPoints& points, const Re
   const Evidence here = evidence(at.result.T_map_base);
   if (here.pieces < kLeastPieces || (here.pieces < kMostPieces && here.fitting == 0)) distrust.blind = u;
   if (!prior) return;
-  if (!distrust.blind && here.pieces < kMostPieces) {
+  if (!distrust.blind) {
     const Pose2& T = at.result.T_map_base;
     const double off = u->head<2>().dot(Eigen::Vector2d(T.x - prior->T_map_base.x, T.y - prior->T_map_base.y));
     const double contradiction = off * off * kMatchTrust * u->dot(prior->information * *u);
     if (contradiction > kContradiction && here.pieces < kPiecesOfPeople) {
       distrust.blind = u;
-    } else if (contradiction > kDifferent) {
+    } else if (contradiction > (here.pieces < kMostPieces ? kDifferent : kContradiction)) {
       Descent there = at;
       const Distrust blind{kClearOfLeak, u};
       descend(map, points, options, prior, blind, there);

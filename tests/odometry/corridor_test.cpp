@@ -23,9 +23,9 @@ std::vector<Wall> corridor(double length, double every) {
     for (double door = every; every > 0.0 && door + 0.9 < length; door += every) {
       const double at = side > 0 ? door : door + 0.4 * every;
       walls.push_back({{x, 0.8 * side}, {at, 0.8 * side}});
-      walls.push_back({{at, 0.8 * side}, {at, 0.9 * side}});
-      walls.push_back({{at, 0.9 * side}, {at + 0.9, 0.9 * side}});
-      walls.push_back({{at + 0.9, 0.9 * side}, {at + 0.9, 0.8 * side}});
+      walls.push_back({{at, 0.8 * side}, {at, 1.1 * side}});
+      walls.push_back({{at, 1.1 * side}, {at + 0.9, 1.1 * side}});
+      walls.push_back({{at + 0.9, 1.1 * side}, {at + 0.9, 0.8 * side}});
       x = at + 0.9;
     }
     walls.push_back({{x, 0.8 * side}, {length, 0.8 * side}});
