@@ -252,7 +252,9 @@ void doubt_weak_direction(const LocalMap& map, const MapPoints& points, const Re
       Descent there = at;
       const Distrust blind{kClearOfLeak, u};
       descend(map, points, options, prior, blind, there);
-      if (evidence(there.result.T_map_base).fitting > here.fitting) {
+      const int fitting = evidence(there.result.T_map_base).fitting;
+      // Between equals what is known of the motion has the word.
+      if (fitting > here.fitting || (fitting == here.fitting && contradiction > kContradiction)) {
         distrust = blind;
         at = there;
         return;

@@ -1,6 +1,7 @@
 // Corridors: what little shows the way along them, and what only seems to.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "phasescan/odometry/odometry.hpp"
@@ -65,36 +66,41 @@ TEST(Corridor, SomebodyWhoWalksAheadDoesNotPullTheRobotAlong) {
   }
 }
 
-/// A robot with half a view that drives out of a room's end into a corridor without a mark.
-TEST(Corridor, TheMotionGoesOnWhereNothingShowsIt) {
+/// How far a robot is off that drove away from a corridor's end, the last 3 of 6 m with nothing in sight but bare
+/// walls, and what it says of that itself.
+struct Unseen {
+  double off_m = 0.0, sigma_m = 0.0;
+};
+
+Unseen drive_unseen(std::uint64_t seed) {
   const auto walls = corridor(40.0, 0.0);
   ToyLidar lidar;
   lidar.range_max = 6.0;
   lidar.beams = 180;
   lidar.field = kPi;
-  Random random(3);
+  Random random(seed);
   Odometry odometry;
-  double unseen = 0.0, off = 0.0;
-  for (int i = 0; i < 90; ++i) {
-    const double x = 9.0 - 0.06 * i;  // backwards: towards the end behind a laser that looks there
-    const OdometryStep step =
-        odometry.add(toy_scan(walls, {x, 0, kPi}, lidar, random, stamp_from_seconds(kPeriod * i)), {}, std::nullopt);
-    off = std::abs(step.T_odom_mid.x - 0.06 * i);
-    unseen = std::max(unseen, 1.0 / std::sqrt(std::max(1e-9, step.information(0, 0))));
-  }
-  // It starts where nothing is seen: what was driven then is lost, and known to be.
-  EXPECT_GT(unseen, 0.1);
-  EXPECT_GT(off, 0.1);
-
-  Odometry other;
-  double worst = 0.0;
+  Unseen out;
   for (int i = 0; i < 100; ++i) {
-    const double x = 3.0 + 0.06 * i;  // away from the end, which is out of sight from 6 m on
-    const OdometryStep step =
-        other.add(toy_scan(walls, {x, 0, kPi}, lidar, random, stamp_from_seconds(kPeriod * i)), {}, std::nullopt);
-    worst = std::max(worst, std::abs(step.T_odom_mid.x + 0.06 * i));
+    const OdometryStep step = odometry.add(
+        toy_scan(walls, {3.0 + 0.06 * i, 0, kPi}, lidar, random, stamp_from_seconds(kPeriod * i)), {}, std::nullopt);
+    out.off_m = std::abs(step.T_odom_mid.x + 0.06 * i);
+    // Of the way since the last keyframe.
+    out.sigma_m = std::max(out.sigma_m, 1.0 / std::sqrt(std::max(1e-9, step.information(0, 0))));
   }
-  EXPECT_LT(worst, 0.4);  // of 3 m driven unseen
+  return out;
+}
+
+TEST(Corridor, TheMotionGoesOnWhereNothingShowsItAndIsNotTakenForSeen) {
+  std::vector<double> off;
+  for (std::uint64_t seed = 1; seed <= 9; ++seed) {
+    const Unseen run = drive_unseen(seed);
+    EXPECT_GT(run.sigma_m, 0.12) << seed;
+    off.push_back(run.off_m);
+  }
+  std::sort(off.begin(), off.end());
+  EXPECT_LT(off[4], 0.4);
+  EXPECT_LT(off.back(), 2.0);
 }
 
 std::vector<float> rough_corridor(double x, Random& noise) {
