@@ -32,13 +32,6 @@ double middle_s(const Scan& scan, double duration_s) {
   return scan.time_increment < 0.0 ? -0.5 * duration_s : 0.5 * duration_s;
 }
 
-/// What a match with that information, in the frame of the new base, leaves open of a step's (x, y), in that of the
-/// old.
-Eigen::Matrix2d doubt_of(const Eigen::Matrix3d& seen, double turn) {
-  const Eigen::Matrix3d weak = Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal();
-  return rotate_information((seen + weak).inverse(), turn).topLeftCorner<2, 2>();
-}
-
 }  // namespace
 
 Odometry::Odometry(const OdometryOptions& options) : options_(options) {
