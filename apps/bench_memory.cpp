@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <deque>
 #include <fstream>
 
 #include "commands.hpp"
@@ -18,7 +20,53 @@ struct MemoryFlags {
   CommonFlags common;
   std::size_t scans = 400'000, settled = 20'000;
   int people = 3;
-  std::string world = "flat:1", sensor = "rplidar-a1";
+  std::string world = "flat:1", sensor = "rplidar-a1", trace;
+};
+
+constexpr double kFarOffM = 0.2;
+constexpr std::size_t kTraceScans = 1000;
+
+/// How far the poses are off as the map had them when each was first known, a batch of keyframes after its scan: what a
+/// robot would have gone by.
+class Errors {
+ public:
+  explicit Errors(const std::string& trace) {
+    if (trace.empty()) return;
+    trace_.open(trace);
+    if (!trace_) throw std::runtime_error(fmt::format("{}: cannot be written", trace));
+    trace_ << "scans,nodes,largest_off_m\n";
+  }
+
+  /// After each scan. @param T_start_now  the true pose, seen from the first scan's
+  void add(const Slam& slam, const Pose2& T_start_now) {
+    waiting_.push_back(T_start_now);
+    while (!waiting_.empty()) {
+      const std::optional<Pose2> pose = slam.pose_on_map(done_);
+      if (!pose) break;
+      last_m_ = translation_distance(*pose, waiting_.front());
+      largest_m_ = std::max(largest_m_, last_m_);
+      traced_m_ = std::max(traced_m_, last_m_);
+      if (last_m_ > kFarOffM) ++far_off_;
+      waiting_.pop_front();
+      ++done_;
+    }
+    if (trace_.is_open() && slam.records().size() % kTraceScans == 0) {
+      trace_ << fmt::format("{},{},{:.3f}\n", slam.records().size(), slam.backend().keyframes().size(), traced_m_);
+      trace_.flush();
+      traced_m_ = 0.0;
+    }
+  }
+  double last_m() const { return last_m_; }
+  double largest_m() const { return largest_m_; }
+  double share_far_off() const {
+    return static_cast<double>(far_off_) / static_cast<double>(std::max<std::size_t>(1, done_));
+  }
+
+ private:
+  std::ofstream trace_;
+  std::deque<Pose2> waiting_;  // truth of scans whose pose is not known yet
+  std::size_t done_ = 0, far_off_ = 0;
+  double last_m_ = 0.0, largest_m_ = 0.0, traced_m_ = 0.0;
 };
 
 /// Resident memory of this process [bytes].
@@ -51,13 +99,14 @@ int run_memory(const MemoryFlags& flags) {
   const double cpu = process_cpu_seconds();
   double settled_bytes = 0.0;
   std::size_t settled_nodes = 0;
-  Pose2 T_world_start, T_world_now;
+  Pose2 T_world_start;
+  Errors errors(flags.trace);
   while (!InterruptGuard::interrupted() && slam.records().size() < flags.scans) {
     const auto scan = drive.next();
     if (!scan) break;
     if (slam.records().empty()) T_world_start = scan->T_world_laser;
-    T_world_now = scan->T_world_laser;
     slam.add(scan->entry.scan);
+    errors.add(slam, T_world_start.inverse() * scan->T_world_laser);
     if (slam.records().size() == flags.settled) {
       settled_bytes = resident_bytes();
       settled_nodes = slam.backend().keyframes().size();
@@ -66,14 +115,13 @@ int run_memory(const MemoryFlags& flags) {
   }
   const double grown = resident_bytes() - settled_bytes;
   const std::size_t n = slam.records().size();
-  const Pose2 off = slam.trajectory().back().inverse() * (T_world_start.inverse() * T_world_now);
   print(fmt::format(
       "{{\"scans\": {}, \"settled\": {}, \"nodes_settled\": {}, \"nodes\": {}, \"rss_settled_mib\": {:.1f}, "
       "\"grown_bytes\": {:.0f}, \"allowed_bytes\": {}, \"bytes_per_scan\": {:.1f}, \"end_off_m\": {:.3f}, "
-      "\"cpu_ms_per_scan\": {:.3f}}}\n",
+      "\"largest_off_m\": {:.3f}, \"share_off_0.2m\": {:.6f}, \"cpu_ms_per_scan\": {:.3f}}}\n",
       n, flags.settled, settled_nodes, slam.backend().keyframes().size(), settled_bytes / 1048576.0, grown,
-      64 * n + 5'000'000, grown / static_cast<double>(std::max<std::size_t>(1, n - flags.settled)),
-      std::hypot(off.x, off.y), 1e3 * (process_cpu_seconds() - cpu) / static_cast<double>(n)));
+      64 * n + 5'000'000, grown / static_cast<double>(std::max<std::size_t>(1, n - flags.settled)), errors.last_m(),
+      errors.largest_m(), errors.share_far_off(), 1e3 * (process_cpu_seconds() - cpu) / static_cast<double>(n)));
   return n == flags.scans && grown <= static_cast<double>(64 * n + 5'000'000) ? kDone : kAnswerIsNo;
 }
 
@@ -96,6 +144,10 @@ void add_memory_command(CLI::App& app, CommandBody& body) {
       ->capture_default_str();
   command->add_option("--world", flags->world, "as for simulate")->capture_default_str();
   command->add_option("--sensor", flags->sensor, "as for simulate")->capture_default_str();
+  command
+      ->add_option("--trace", flags->trace,
+                   "a line of CSV every 1000 scans: scans, keyframes, the largest error in them")
+      ->type_name("FILE");
   add_seed_flag(*command, flags->common);
   add_config_flag(*command, flags->common);
   command->callback([flags, &body] { body = [flags] { return run_memory(*flags); }; });

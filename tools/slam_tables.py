@@ -64,9 +64,10 @@ def same(rows, _):
 
 def memory(rows, _):
     return markdown(["scans", "keyframes at 20,000", "at the end", "MiB at 20,000", "grown [bytes]", "allowed [bytes]", "bytes a scan",
-                     "off at the end [m]", "CPU ms a scan"],
+                     "off at the end [m]", "farthest off [m]", "scans over 0.2 m off [%]", "CPU ms a scan"],
                     [[r["scans"], r["nodes_settled"], r["nodes"], r["rss_settled_mib"], int(r["grown_bytes"]), r["allowed_bytes"],
-                      r["bytes_per_scan"], number(r["end_off_m"], 3), r["cpu_ms_per_scan"]] for r in rows], 0)
+                      r["bytes_per_scan"], number(r["end_off_m"], 3), number(r["largest_off_m"], 3),
+                      number(100 * r["share_off_0.2m"], 3), r["cpu_ms_per_scan"]] for r in rows], 0)
 
 
 def retrieval(rows, _):

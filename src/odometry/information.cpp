@@ -23,4 +23,15 @@ double largest_deviation(const Eigen::Matrix3d& information) {
   return std::sqrt(0.5 * covariance.trace() + std::hypot(half, covariance(0, 1)));
 }
 
+Eigen::Matrix2d doubt_of(const Eigen::Matrix3d& seen, double turn) {
+  const Eigen::Matrix3d weak = Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal();
+  return rotate_information((seen + weak).inverse(), turn).topLeftCorner<2, 2>();
+}
+
+bool sees_both_ways(const Eigen::Matrix3d& information) {
+  constexpr double kSeenM = 0.2;
+  const Eigen::Matrix3d weak = 1e-3 * Eigen::Matrix3d::Identity();
+  return largest_deviation(information + weak) < kSeenM;
+}
+
 }  // namespace phasescan

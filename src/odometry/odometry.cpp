@@ -18,6 +18,7 @@ constexpr std::size_t kMinPoints = 12;
 constexpr double kLeastTrust = 0.6;  // wheels that agreed less often lately are not heard
 constexpr double kContradiction =
     11.3;  // squared Mahalanobis distance (99 %) beyond which a step of the wheels is outvoted
+constexpr double kDoubtfulM = 0.15;  // standard deviation since the last keyframe that asks for another
 constexpr double kChangeM = 0.025, kChangeRad = 0.06;  // how much the motion per scan changes from one to the next
 const Eigen::Vector3d kUnknownStep(0.05 * 0.05, 0.05 * 0.05, 0.1 * 0.1);
 
@@ -29,13 +30,6 @@ Pose2 scaled(const Pose2& step, double factor) {
 /// The middle of a scan's turn after its stamp [s].
 double middle_s(const Scan& scan, double duration_s) {
   return scan.time_increment < 0.0 ? -0.5 * duration_s : 0.5 * duration_s;
-}
-
-/// What a match with that information, in the frame of the new base, leaves open of a step's (x, y), in that of the
-/// old.
-Eigen::Matrix2d doubt_of(const Eigen::Matrix3d& seen, double turn) {
-  const Eigen::Matrix3d weak = Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal();
-  return rotate_information((seen + weak).inverse(), turn).topLeftCorner<2, 2>();
 }
 
 }  // namespace
@@ -82,11 +76,7 @@ Pose2 Odometry::predict(const std::optional<Pose2>& wheel_step, double periods, 
   return best;
 }
 
-PosePrior Odometry::make_prior(const Pose2& start, double periods) const {
-  // Robots keep on doing what they did.
-  Pose2 mean = scaled(step_, periods);
-  mean.theta = start.theta;
-  Eigen::Matrix3d covariance = step_covariance_;
+PosePrior Odometry::make_prior(const Pose2& mean, Eigen::Matrix3d covariance, double periods) const {
   covariance.diagonal() += Eigen::Vector3d(kChangeM * kChangeM, kChangeM * kChangeM, kChangeRad * kChangeRad);
   covariance *= periods * periods;
   PosePrior prior;
@@ -156,14 +146,19 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step_covariance_ = 100.0 * kUnknownStep.asDiagonal();
   }
   const Pose2 predicted = predict(wheel_step, timing.periods, &score);
-  PosePrior prior = make_prior(predicted, timing.periods);
+  // Robots keep on doing what they did.
+  Pose2 mean = scaled(step_, timing.periods);
+  mean.theta = predicted.theta;
+  PosePrior prior = make_prior(mean, step_covariance_, timing.periods);
+  habits_.add(surface_);
+  ask_habits_ = options_.motion_habits && !(wheel_step && wheels_.trust_distance() >= kLeastTrust);
   Pose2 T_map_odom = map_.T_world_map().inverse();
   Registration found;
   found.T_map_base = T_map_odom * T_odom_mid_ * predicted;
   if (points_->with_normal >= kMinPoints) {
     // Where the scan's points are expressed, seen from its stamp.
     const Pose2 T_stamp_mid = exp_twist(options_.deskew ? twist : Twist2{}, middle_s(scan, timing.duration_s));
-    found = match(scan, mount, T_stamp_mid, found.T_map_base, prior, step);
+    found = match(scan, mount, T_stamp_mid, found.T_map_base, timing.periods, prior, step);
     if (options_.deskew && timing.duration_s > 0.0 && seconds > 0.0) {
       // The motion found says how the scan was bent: once more, unbent.
       const Twist2 better = log_pose((T_map_odom * T_odom_mid_).inverse() * found.T_map_base);
@@ -201,6 +196,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     untracked_ = 0;
     usual_score_ = kSlow * usual_score_ + (1.0 - kSlow) * std::max(score, 0.0);
     step_ = scaled(moved, 1.0 / timing.periods);
+    habits_.learn(step_, sees_both_ways(seen));
   } else {
     ++untracked_;
     if (wheel_step && wheels_.trust_distance() > 0.6) moved = *wheel_step;
@@ -240,7 +236,9 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     const Pose2 since = window_.back().T_odom_base.inverse() * T_odom_mid_;
     const double share = std::hypot(since.x, since.y) / options_.keyframe_distance_m +
                          std::abs(since.theta) / deg_to_rad(options_.keyframe_angle_deg);
-    if (share > 1.0 || (step.overlap < 0.6 && share > 0.3)) insert_keyframe(step);
+    // What was driven unseen is corrected between keyframes: they must stand close there, however far it seemed.
+    const bool doubtful = largest_deviation(step.information) > kDoubtfulM;
+    if (share > 1.0 || (step.overlap < 0.6 && share > 0.3) || doubtful) insert_keyframe(step);
   }
   return step;
 }

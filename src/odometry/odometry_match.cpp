@@ -21,8 +21,9 @@ std::size_t judging_stride(const MapPoints& points) {
 }  // namespace
 
 Registration Odometry::match(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, const Pose2& guess,
-                             PosePrior& prior, OdometryStep& step) {
+                             double periods, PosePrior& prior, OdometryStep& step) {
   Registration found = register_points(map_, *points_, guess, {}, prior);
+  assume_habit(prior.T_map_base.theta - (map_.T_world_map().inverse() * T_odom_mid_).theta, periods, prior, found);
   double score = pose_score(map_, *points_, found.T_map_base, judging_stride(*points_));
   if (found.overlap < options_.min_overlap || score < kMinFinalShare * usual_final_) {
     step.searched = true;
@@ -32,6 +33,18 @@ Registration Odometry::match(const Scan& scan, const LaserMount& mount, const Po
   }
   if (found.overlap >= options_.min_overlap) usual_final_ = kSlow * usual_final_ + (1.0 - kSlow) * score;
   return found;
+}
+
+void Odometry::assume_habit(double turn, double periods, PosePrior& prior, Registration& found) const {
+  if (!ask_habits_ || found.overlap < options_.min_overlap || sees_both_ways(kMatchTrust * found.information)) return;
+  const std::optional<MotionHabits::Assumption> habit = habits_.assume(wrap_angle(turn) / periods);
+  if (!habit) return;
+  Eigen::Matrix3d covariance = step_covariance_;
+  covariance.topLeftCorner<2, 2>() = habit->covariance;
+  covariance.topRightCorner<2, 1>().setZero();
+  covariance.bottomLeftCorner<1, 2>().setZero();
+  prior = make_prior({periods * habit->x, periods * habit->y, wrap_angle(turn)}, covariance, periods);
+  found = register_points(map_, *points_, prior.T_map_base, {}, prior);
 }
 
 void Odometry::look_around(const PosePrior& prior, Registration& found, double& score) const {

@@ -3,11 +3,26 @@
 #include "phasescan/odometry/information.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace phasescan {
 namespace {
+
+// The noise of the normals adds `leak` on average; what a match claims beyond that along a bare wall is chance, and
+// only what stands well clear of it is a surface that was seen.
+constexpr double kLeakTimes = 3.0;
+// A direction that is seen so much less than the other (of the variances) rests on few surfaces. They must be some
+// pieces, of a cell each, and more than a passer-by has where they contradict what is known of the motion.
+constexpr double kLopsided = 0.35;
+constexpr float kLeastPieces = 3.0F, kPiecesOfPeople = 7.0F, kMostPieces = 12.0F;
+constexpr float kShowing = 0.1F, kFits = 4.0F;  // squares: of a cosine that shows something; of standard deviations
+// The noise of the normals adds `leak` on average; what is not well clear of it is chance.
+constexpr double kClearOfLeak = 3.0;
+constexpr double kContradiction = 9.0, kDifferent = 1.0;  // squared Mahalanobis distances
 
 // One pass over the points at a pose: normal equations with a Geman-McClure kernel as wide as the gate asks.
 struct Pass {
@@ -101,28 +116,94 @@ Eigen::Vector3d match_gradient_step(const Pass& pass) {
   return step.allFinite() ? step : Eigen::Vector3d::Zero();
 }
 
-}  // namespace
+/// What is held against a match: how many times the noise of the normals is taken out, and a direction without support.
+struct Distrust {
+  double leak_times = 1.0;
+  std::optional<Eigen::Vector3d> blind;
+};
 
-Registration register_points(const LocalMap& map, const MapPoints& points, const Pose2& guess,
-                             const RegistrationOptions& options, const std::optional<PosePrior>& prior) {
+/// What the match sees.
+Eigen::Matrix3d seen_by(const Pass& pass, const Distrust& distrust) {
+  Eigen::Matrix3d H = positive_part(pass.H - distrust.leak_times * pass.leak);
+  if (!distrust.blind) return H;
+  const Eigen::Vector3d along = H * *distrust.blind;
+  const double all = distrust.blind->dot(along);
+  if (all > 0.0) H -= along * along.transpose() / all;
+  return positive_part(H);
+}
+
+/// The direction of (x, y, theta) that is seen least; empty where the others are not seen much better.
+std::optional<Eigen::Vector3d> weak_direction(const Pass& pass) {
+  const Eigen::Matrix3d covariance = (seen_by(pass, {}) + 1e-3 * Eigen::Matrix3d::Identity()).inverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
+  if (eigen.eigenvalues()(0) > kLopsided * eigen.eigenvalues()(1)) return std::nullopt;
+  const Eigen::Vector3d u = covariance.leftCols<2>() * eigen.eigenvectors().col(1);
+  return u / u.head<2>().norm();
+}
+
+/// What shows the position in a direction.
+struct Evidence {
+  float pieces = 0.0F;  ///< of surface that it is spread over, as if all told as much
+  int fitting = 0;      ///< pieces that lie where the map has them
+};
+
+Evidence evidence_of(const LocalMap& map, const MapPoints& points, const Pose2& T, const Eigen::Vector3d& direction,
+                     double gate_m, double min_cosine) {
+  const Eigen::Vector3f d = direction.cast<float>();
+  const auto c = static_cast<float>(std::cos(T.theta)), s = static_cast<float>(std::sin(T.theta));
+  const auto tx = static_cast<float>(T.x), ty = static_cast<float>(T.y), gate = static_cast<float>(gate_m);
+  std::vector<float> shown(map.surfels().size(), 0.0F);
+  std::vector<char> fits(map.surfels().size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points.lone(i)) continue;
+    const float rx = c * points.x[i] - s * points.y[i], ry = s * points.x[i] + c * points.y[i];
+    const float nx = c * points.nx[i] - s * points.ny[i], ny = s * points.nx[i] + c * points.ny[i];
+    const Surfel* surfel = map.find(rx + tx, ry + ty, nx, ny, static_cast<float>(min_cosine));
+    if (!surfel) continue;
+    const float e = (rx + tx - surfel->x) * surfel->nx + (ry + ty - surfel->y) * surfel->ny;
+    if (std::fabs(e) > gate) continue;
+    const float across = surfel->nx * d.x() + surfel->ny * d.y() + (rx * surfel->ny - ry * surfel->nx) * d.z();
+    const float along = surfel->ny * d.x() - surfel->nx * d.y() + (rx * surfel->nx + ry * surfel->ny) * d.z();
+    const float clear = across * across - static_cast<float>(kClearOfLeak) * surfel->normal_variance * along * along;
+    if (clear <= 0.0F) continue;
+    const auto index = static_cast<std::size_t>(surfel - map.surfels().data());
+    const float sharp = points.variance[i] + surfel->variance;
+    shown[index] += clear / (sharp + 0.04F * gate * gate);
+    if (clear > kShowing && e * e < kFits * sharp) fits[index] = 1;
+  }
+  Evidence evidence;
+  float sum = 0.0F, squares = 0.0F;
+  for (const float v : shown) sum += v, squares += v * v;
+  for (const char f : fits) evidence.fitting += f;
+  if (squares > 0.0F) evidence.pieces = sum * sum / squares;
+  return evidence;
+}
+
+/// Where a registration is, and its last pass.
+struct Descent {
   Registration result;
-  result.T_map_base = guess;
-  if (map.empty() || points.with_normal == 0) return result;
-  double gate = options.gate_start_m;
   Pass pass;
-  for (result.iterations = 1; result.iterations <= options.max_iterations; ++result.iterations) {
-    pass = linearise(map, points, result.T_map_base, gate, options.min_normal_cosine);
-    if (pass.partners < 5) break;
-    Eigen::Matrix3d H = pass.H;
-    Eigen::Vector3d g = pass.g;
+  double gate_m = 0.0;
+};
+
+/// Steps until they are small.
+void descend(const LocalMap& map, const MapPoints& points, const RegistrationOptions& options,
+             const std::optional<PosePrior>& prior, const Distrust& distrust, Descent& at) {
+  Registration& result = at.result;
+  for (int step_count = 1; step_count <= options.max_iterations; ++step_count) {
+    ++result.iterations;
+    at.pass = linearise(map, points, result.T_map_base, at.gate_m, options.min_normal_cosine);
+    if (at.pass.partners < 5) return;
+    Eigen::Matrix3d H = at.pass.H;
+    Eigen::Vector3d g = at.pass.g;
     if (prior) {
       // Along a corridor the normals' noise alone would hold the pose where it is: there the prior has the word.
-      H = positive_part(pass.H - pass.leak);
-      g = H * match_gradient_step(pass);
+      H = seen_by(at.pass, distrust);
+      g = H * match_gradient_step(at.pass);
       const Eigen::Vector3d off(result.T_map_base.x - prior->T_map_base.x, result.T_map_base.y - prior->T_map_base.y,
                                 wrap_angle(result.T_map_base.theta - prior->T_map_base.theta));
       // While the kernel is wide the match speaks softly, and so does the prior: else it would settle the matter first.
-      const Eigen::Matrix3d P = pass.blunting * prior->information;
+      const Eigen::Matrix3d P = at.pass.blunting * prior->information;
       H += P;
       g += P * off;
     }
@@ -132,20 +213,73 @@ Registration register_points(const LocalMap& map, const MapPoints& points, const
     H(1, 1) += 1e-4 * scale;
     H(2, 2) += 1e-4 * H(2, 2) + 1e-9;
     const Eigen::Vector3d step = -H.ldlt().solve(g);
-    if (!step.allFinite()) break;
+    if (!step.allFinite()) return;
     result.T_map_base.x += step.x();
     result.T_map_base.y += step.y();
     result.T_map_base.theta = wrap_angle(result.T_map_base.theta + step.z());
     const bool small = std::hypot(step.x(), step.y()) < options.stop_m && std::abs(step.z()) < options.stop_rad;
-    if (small && gate <= options.gate_end_m) {
+    if (small && at.gate_m <= options.gate_end_m) {
       result.converged = true;
-      break;
+      return;
     }
     // The gate follows the error: far off it stays wide for a while.
-    if (std::hypot(step.x(), step.y()) + 2.0 * std::abs(step.z()) < 0.5 * gate)
-      gate = std::max(options.gate_end_m, 0.6 * gate);
+    if (std::hypot(step.x(), step.y()) + 2.0 * std::abs(step.z()) < 0.5 * at.gate_m)
+      at.gate_m = std::max(options.gate_end_m, 0.6 * at.gate_m);
   }
-  result.information = positive_part(pass.H - pass.leak);
+}
+
+/// Looks at the direction that is seen least. What shows it must stand clear of the noise of the normals, and be more
+/// than a few small pieces of surface: somebody who walks along a corridor with the robot, or the roughness of one spot
+/// near the sensor. What is known of the motion is the other explanation of such a scan.
+void doubt_weak_direction(const LocalMap& map, const MapPoints& points, const RegistrationOptions& options,
+                          const std::optional<PosePrior>& prior, Distrust& distrust, Descent& at) {
+  const std::optional<Eigen::Vector3d> u = weak_direction(at.pass);
+  if (!u) return;
+  const auto evidence = [&](const Pose2& T) {
+    return evidence_of(map, points, T, *u, at.gate_m, options.min_normal_cosine);
+  };
+  distrust.leak_times = kClearOfLeak;
+  const Evidence here = evidence(at.result.T_map_base);
+  if (here.pieces < kLeastPieces || (here.pieces < kMostPieces && here.fitting == 0)) distrust.blind = u;
+  if (!prior) return;
+  if (!distrust.blind) {
+    const Pose2& T = at.result.T_map_base;
+    const double off = u->head<2>().dot(Eigen::Vector2d(T.x - prior->T_map_base.x, T.y - prior->T_map_base.y));
+    const double contradiction = off * off * kMatchTrust * u->dot(prior->information * *u);
+    if (contradiction > kContradiction && here.pieces < kPiecesOfPeople) {
+      distrust.blind = u;
+    } else if (contradiction > (here.pieces < kMostPieces ? kDifferent : kContradiction)) {
+      Descent there = at;
+      const Distrust blind{kClearOfLeak, u};
+      descend(map, points, options, prior, blind, there);
+      const int fitting = evidence(there.result.T_map_base).fitting;
+      // Between equals what is known of the motion has the word.
+      if (fitting > here.fitting || (fitting == here.fitting && contradiction > kContradiction)) {
+        distrust = blind;
+        at = there;
+        return;
+      }
+    }
+  }
+  descend(map, points, options, prior, distrust, at);
+}
+
+}  // namespace
+
+Registration register_points(const LocalMap& map, const MapPoints& points, const Pose2& guess,
+                             const RegistrationOptions& options, const std::optional<PosePrior>& prior) {
+  Descent at;
+  at.result.T_map_base = guess;
+  if (map.empty() || points.with_normal == 0) return at.result;
+  at.gate_m = options.gate_start_m;
+  Distrust distrust;
+  descend(map, points, options, prior, distrust, at);
+  Registration& result = at.result;
+  if (at.pass.partners >= 5 && result.T_map_base.is_finite()) {
+    doubt_weak_direction(map, points, options, prior, distrust, at);
+  }
+  const Pass& pass = at.pass;
+  result.information = seen_by(pass, distrust);
   result.overlap =
       static_cast<double>(pass.partners) / static_cast<double>(std::max<std::size_t>(points.with_normal, 1));
   result.residual_m = pass.partners > 0 ? std::sqrt(pass.squares / pass.partners) : 0.0;
@@ -154,50 +288,6 @@ Registration register_points(const LocalMap& map, const MapPoints& points, const
     result.T_map_base = guess;
   }
   return result;
-}
-
-double pose_score(const LocalMap& map, const MapPoints& points, const Pose2& T, std::size_t stride) {
-  const auto c = static_cast<float>(std::cos(T.theta)), s = static_cast<float>(std::sin(T.theta));
-  const auto tx = static_cast<float>(T.x), ty = static_cast<float>(T.y);
-  const auto reach = static_cast<float>(map.reach_m());
-  const float inverse = 1.0F / (reach * reach);
-  float sum = 0.0F;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    ++count;
-    const float qx = c * points.x[i] - s * points.y[i] + tx, qy = s * points.x[i] + c * points.y[i] + ty;
-    const float nx = c * points.nx[i] - s * points.ny[i], ny = s * points.nx[i] + c * points.ny[i];
-    const Surfel* surfel = points.lone(i) ? map.find_lone(qx, qy) : map.find(qx, qy, nx, ny, 0.7F);
-    if (!surfel) continue;
-    const float dx = qx - surfel->x, dy = qy - surfel->y;
-    sum += std::max(0.0F, 1.0F - (dx * dx + dy * dy) * inverse);
-  }
-  return count > 0 ? static_cast<double>(sum) / static_cast<double>(count) : 0.0;
-}
-
-Pose2 search_lattice(const LocalMap& map, const MapPoints& points, const Pose2& centre, const LatticeSearch& lattice,
-                     double* best_score) {
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / std::max<std::size_t>(lattice.points, 1));
-  const int turns = static_cast<int>(lattice.half_angle_rad / lattice.step_rad),
-            shifts = static_cast<int>(lattice.half_width_m / lattice.step_m);
-  Pose2 best = centre;
-  double best_value = -1.0, best_value_biased = -1.0;
-  for (int a = -turns; a <= turns; ++a) {
-    for (int i = -shifts; i <= shifts; ++i) {
-      for (int k = -shifts; k <= shifts; ++k) {
-        const Pose2 pose{centre.x + i * lattice.step_m, centre.y + k * lattice.step_m,
-                         wrap_angle(centre.theta + a * lattice.step_rad)};
-        const double value = pose_score(map, points, pose, stride);
-        // Among poses that explain as much, the nearer one.
-        const double far =
-            std::hypot(i, k) / std::max(1, shifts) + std::abs(a) / static_cast<double>(std::max(1, turns));
-        const double biased = value - 0.03 * far;
-        if (biased > best_value_biased) best_value_biased = biased, best_value = value, best = pose;
-      }
-    }
-  }
-  if (best_score) *best_score = best_value;
-  return best;
 }
 
 }  // namespace phasescan

@@ -12,11 +12,6 @@ namespace {
 
 constexpr int kNodesPerOptimize = 60;
 constexpr double kBreakM = 100.0;  // way that a break of tracking counts for
-// Bounded memory: a place is shown well enough when so many keyframes look at it from so near, and a scan there fits so
-// well.
-constexpr int kShownKeyframes = 2, kMostKeyframes = 8;
-constexpr double kShownM = 0.8, kShownRad = 0.6, kShownOverlap = 0.7;
-constexpr std::size_t kSurroundings = 16;
 // Doubt of a step beyond the usual counts as so much way.
 constexpr double kSmallDoubtM = 0.05, kWayPerDoubt = 100.0;
 constexpr int kFinalRounds = 2;
@@ -29,20 +24,30 @@ Backend::Backend(const SlamOptions& options) : options_(options), judge_(options
 
 void Backend::add_batch(std::vector<Keyframe> batch) {
   for (Keyframe& keyframe : batch) {
-    const Pose2 T_odom = keyframe.T_odom_base;
-    if (!(options_.slam.bounded_memory && locate(keyframe))) {
-      add_keyframe(std::move(keyframe));
-      handed_.push_back({static_cast<std::int32_t>(keyframes_.size()) - 1});
-      if (options_.loops.enabled) find_loops(static_cast<int>(keyframes_.size()) - 1);
+    if (options_.slam.bounded_memory) {
+      settle(std::move(keyframe));
+    } else {
+      take(std::move(keyframe));
     }
-    handed_.back().odom_x = static_cast<float>(T_odom.x);
-    handed_.back().odom_y = static_cast<float>(T_odom.y);
-    handed_.back().odom_theta = static_cast<float>(T_odom.theta);
-    T_odom_last_ = T_odom;
   }
   const int n = static_cast<int>(keyframes_.size());
   if (large_correction_ || (new_edges_ > 0 && n - nodes_at_optimize_ >= kNodesPerOptimize))
     optimize(large_correction_ ? 15 : 4);
+}
+
+void Backend::take(Keyframe keyframe) {
+  const Pose2 T_odom = keyframe.T_odom_base;
+  add_keyframe(std::move(keyframe));
+  const int node = static_cast<int>(keyframes_.size()) - 1;
+  hand_in(node, {}, T_odom);
+  if (options_.loops.enabled) find_loops(node);
+}
+
+void Backend::hand_in(int node, const Pose2& T_node_keyframe, const Pose2& T_odom) {
+  handed_.push_back({node, static_cast<float>(T_node_keyframe.x), static_cast<float>(T_node_keyframe.y),
+                     static_cast<float>(T_node_keyframe.theta), static_cast<float>(T_odom.x),
+                     static_cast<float>(T_odom.y), static_cast<float>(T_odom.theta)});
+  T_odom_last_ = T_odom;
 }
 
 void Backend::add_keyframe(Keyframe keyframe) {
@@ -72,41 +77,6 @@ void Backend::add_keyframe(Keyframe keyframe) {
   }
   graph_.add_edge(edge);
   keyframes_.push_back(std::move(keyframe));
-}
-
-bool Backend::locate(const Keyframe& keyframe) {
-  if (handed_.empty() || keyframe.new_segment) return false;
-  const auto& poses = graph_.poses();
-  const Handed& last = handed_.back();
-  const Pose2 guess = poses[static_cast<std::size_t>(last.node)] * last.T_node_keyframe() *
-                      (T_odom_last_.inverse() * keyframe.T_odom_base);
-  int around = 0, nearest = -1;
-  double least = kShownM;
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    const double distance = translation_distance(guess, poses[k]);
-    if (distance > kShownM || angle_distance(guess.theta, poses[k].theta) > kShownRad) continue;
-    ++around;
-    if (distance <= least) least = distance, nearest = static_cast<int>(k);
-  }
-  if (around < kShownKeyframes) return false;
-  if (nearest != surroundings_of_) {
-    build_surroundings(nearest, kSurroundings, surroundings_);
-    surroundings_of_ = nearest;
-  }
-  const Pose2 T_map_world = surroundings_.T_world_map().inverse();
-  const Registration found = register_points(surroundings_, *keyframe.points, T_map_world * guess);
-  const Pose2 pose = surroundings_.T_world_map() * found.T_map_base;
-  const bool full = around >= kMostKeyframes;
-  const bool fits = found.converged &&
-                    found.overlap > (around > kMostKeyframes / 2 ? options_.odometry.min_overlap : kShownOverlap) &&
-                    translation_distance(pose, guess) < options_.loops.small_error_m;
-  if (!fits && !full) return false;
-  // Where the place has all the keyframes it may have, a scan that does not fit (people) stands where odometry puts it.
-  const Pose2 relative = poses[static_cast<std::size_t>(nearest)].inverse() * (fits ? pose : guess);
-  handed_.push_back(
-      {nearest, static_cast<float>(relative.x), static_cast<float>(relative.y), static_cast<float>(relative.theta)});
-  if (fits) since_loop_m_ = 0.0;
-  return true;
 }
 
 std::vector<Pose2> Backend::handed_in_poses(bool odometry) const {
@@ -178,6 +148,7 @@ void Backend::undo_contradicted() {
 }
 
 void Backend::finish() {
+  settle_waiting();
   judge_.close();
   if (keyframes_.size() < 2) return;
   optimize(30);

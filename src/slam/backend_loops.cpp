@@ -23,7 +23,7 @@ constexpr double kOutOfReachM = 1.0;  // loops farther off than this do not draw
 constexpr double kSlideGain = 0.01;   // of the score, for a slide to be worth it
 
 /// Whether a match holds the pose in every direction to a decimetre: in a bare corridor it does not.
-bool sees_both_ways(const Eigen::Matrix3d& information) {
+bool holds_both_ways(const Eigen::Matrix3d& information) {
   return largest_deviation(information) < 0.1;
 }
 
@@ -162,7 +162,7 @@ void Backend::believe(const Loop& loop) {
       if (std::hypot(error.x, error.y) > kOutOfReachM)
         large_loops_.push_back(static_cast<int>(graph_.edges().size()) - 1);
     }
-    if (sees_both_ways(l.information)) since_loop_m_ = 0.0;
+    if (holds_both_ways(l.information)) since_loop_m_ = 0.0;
   }
 }
 

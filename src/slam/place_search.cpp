@@ -62,6 +62,30 @@ struct PlaceSearch::Impl {
   ScanPoints points;
   std::vector<int> nodes;  // of the places in the index
   std::size_t matched = 0;
+
+  PlaceDescriptor describe(const Scan& view) {
+    scan_to_points(view, points);
+    return describer.describe(points.x, points.y);
+  }
+
+  /// The first `limit` places that show what the view shows, by descriptor and match.
+  std::vector<PlaceMatch> search(const Scan& view, const PlaceDescriptor& descriptor, std::size_t limit,
+                                 std::span<const Keyframe> keyframes, std::span<const Pose2> poses) {
+    std::vector<PlaceMatch> found;
+    if (limit == 0) return found;
+    std::vector<int> visits;
+    for (const PlaceHit& hit : index.nearest(descriptor, kLooked, limit)) {
+      const int other = nodes[hit.place];
+      if (hit.distance > kMostDistance || visits.size() >= static_cast<std::size_t>(options.place_candidates)) break;
+      if (std::any_of(visits.begin(), visits.end(), [&](int v) { return std::abs(v - other) < kVisitViews; })) continue;
+      visits.push_back(other);
+      ++matched;
+      const MatchResult match = matcher.match(view_at(keyframes, poses, other, kViewNodes), view);
+      if (is_same_place(match) && most_sigma(match.covariance) < kMostSigmaM)
+        found.push_back({other, match.T_ref_scan});
+    }
+    return found;
+  }
 };
 
 PlaceSearch::PlaceSearch(const LoopOptions& options) : impl_(std::make_unique<Impl>()) {
@@ -77,28 +101,24 @@ std::size_t PlaceSearch::matched() const {
 std::vector<PlaceMatch> PlaceSearch::add(std::span<const Keyframe> keyframes, std::span<const Pose2> poses,
                                          bool search) {
   Impl& m = *impl_;
-  std::vector<PlaceMatch> found;
   const int node = static_cast<int>(keyframes.size()) - 1;
-  if (node < 0 || node % kEvery != 0) return found;
+  if (node < 0 || node % kEvery != 0) return {};
   const Scan view = view_at(keyframes, poses, node, kViewNodes);
-  scan_to_points(view, m.points);
-  const PlaceDescriptor descriptor = m.describer.describe(m.points.x, m.points.y);
+  const PlaceDescriptor descriptor = m.describe(view);
   m.index.add(descriptor);
   m.nodes.push_back(node);
-  if (!search) return found;
+  if (!search) return {};
   const auto old = std::upper_bound(m.nodes.begin(), m.nodes.end(), node - m.options.min_nodes_apart);
-  if (old == m.nodes.begin()) return found;
-  std::vector<int> visits;
-  for (const PlaceHit& hit : m.index.nearest(descriptor, kLooked, static_cast<std::size_t>(old - m.nodes.begin()))) {
-    const int other = m.nodes[hit.place];
-    if (hit.distance > kMostDistance || visits.size() >= static_cast<std::size_t>(m.options.place_candidates)) break;
-    if (std::any_of(visits.begin(), visits.end(), [&](int v) { return std::abs(v - other) < kVisitViews; })) continue;
-    visits.push_back(other);
-    ++m.matched;
-    const MatchResult match = m.matcher.match(view_at(keyframes, poses, other, kViewNodes), view);
-    if (is_same_place(match) && most_sigma(match.covariance) < kMostSigmaM) found.push_back({other, match.T_ref_scan});
-  }
-  return found;
+  return m.search(view, descriptor, static_cast<std::size_t>(old - m.nodes.begin()), keyframes, poses);
+}
+
+std::vector<PlaceMatch> PlaceSearch::find(const Keyframe& query, std::span<const Keyframe> keyframes,
+                                          std::span<const Pose2> poses, std::size_t nodes) {
+  const Pose2 origin;
+  const Scan view = view_at({&query, 1}, {&origin, 1}, 0, 0);
+  const auto& known = impl_->nodes;
+  const auto limit = std::lower_bound(known.begin(), known.end(), static_cast<int>(nodes)) - known.begin();
+  return impl_->search(view, impl_->describe(view), static_cast<std::size_t>(limit), keyframes, poses);
 }
 
 }  // namespace phasescan

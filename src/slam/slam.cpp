@@ -1,5 +1,6 @@
 #include "phasescan/slam/slam.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <future>
 
@@ -49,6 +50,7 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
     keyframe.T_odom_base = step.T_odom_mid;
     keyframe.information = step.information;
     keyframe.new_segment = step.new_segment;
+    if (step.new_segment) breaks_.push_back(keyframes_);
     keyframe.scan = static_cast<std::int64_t>(records_.size());
     keyframe.stored = store_.size();
     keyframe.mount = mount;
@@ -103,6 +105,13 @@ std::vector<Pose2> Slam::trajectory() const {
   return anchored(backend_->handed_in_poses());
 }
 
+std::optional<Pose2> Slam::pose_on_map(std::size_t scan) const {
+  const ScanRecord& r = records_.at(scan);
+  if (r.keyframe < 0 || static_cast<std::size_t>(r.keyframe) >= backend_->handed_in()) return std::nullopt;
+  return backend_->handed_in_pose(static_cast<std::size_t>(r.keyframe)) *
+         Pose2{static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.theta)};
+}
+
 OccupancyGrid Slam::render_map() const {
   OccupancyGrid grid(options_.map);
   const bool polished = !records_.empty() && polished_.size() == records_.size();
@@ -126,10 +135,28 @@ std::vector<Pose2> Slam::odometry_trajectory() const {
 std::vector<Pose2> Slam::anchored(const std::vector<Pose2>& keyframe_poses) const {
   std::vector<Pose2> out;
   out.reserve(records_.size());
-  for (const ScanRecord& r : records_) {
-    const Pose2 T_keyframe_stamp{static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.theta)};
-    const bool known = r.keyframe >= 0 && static_cast<std::size_t>(r.keyframe) < keyframe_poses.size();
-    out.push_back(known ? keyframe_poses[static_cast<std::size_t>(r.keyframe)] * T_keyframe_stamp : T_keyframe_stamp);
+  const std::vector<Pose2> odometry = backend_->handed_in_poses(true);
+  std::size_t begin = 0;
+  while (begin < records_.size()) {
+    const std::int32_t keyframe = records_[begin].keyframe;
+    std::size_t end = begin;
+    while (end < records_.size() && records_[end].keyframe == keyframe) ++end;
+    const auto k = static_cast<std::size_t>(keyframe);
+    const bool known = keyframe >= 0 && k < keyframe_poses.size();
+    // What the map corrected between this keyframe and the next happened on the way there, not at its end.
+    Twist2 correction;
+    if (known && k + 1 < keyframe_poses.size() && !std::binary_search(breaks_.begin(), breaks_.end(), keyframe + 1)) {
+      const Pose2 on_map = keyframe_poses[k].inverse() * keyframe_poses[k + 1];
+      correction = log_pose((odometry[k].inverse() * odometry[k + 1]).inverse() * on_map);
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+      const ScanRecord& r = records_[i];
+      const Pose2 T_keyframe_stamp{static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.theta)};
+      const double share = static_cast<double>(i - begin) / static_cast<double>(end - begin);
+      const Pose2 part = exp_twist(correction, share);
+      out.push_back(known ? keyframe_poses[k] * T_keyframe_stamp * part : T_keyframe_stamp);
+    }
+    begin = end;
   }
   return out;
 }

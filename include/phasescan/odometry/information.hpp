@@ -17,4 +17,13 @@ Eigen::Matrix3d positive_part(const Eigen::Matrix3d& matrix);
 /// Standard deviation of the position in the direction that is known least [m].
 double largest_deviation(const Eigen::Matrix3d& information);
 
+/// What a match with that information, in the frame of the new base, leaves open of a step's (x, y), in that of the
+/// old.
+/// @param turn  from the old base to the new [rad]
+Eigen::Matrix2d doubt_of(const Eigen::Matrix3d& seen, double turn);
+
+/// Whether a match with that (believed) information shows the position in every direction: in a bare corridor it does
+/// not.
+bool sees_both_ways(const Eigen::Matrix3d& information);
+
 }  // namespace phasescan

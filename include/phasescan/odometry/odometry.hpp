@@ -10,6 +10,7 @@
 #include "phasescan/core/time.hpp"
 #include "phasescan/odometry/local_map.hpp"
 #include "phasescan/odometry/map_points.hpp"
+#include "phasescan/odometry/motion_habits.hpp"
 #include "phasescan/odometry/options.hpp"
 #include "phasescan/odometry/registration.hpp"
 #include "phasescan/odometry/safety_net.hpp"
@@ -61,11 +62,13 @@ class Odometry {
   };
   void extract(const Scan& scan, const LaserMount& mount, const Twist2& twist, double duration_s);
   Pose2 predict(const std::optional<Pose2>& wheel_step, double periods, double* score) const;
-  PosePrior make_prior(const Pose2& start, double periods) const;
+  PosePrior make_prior(const Pose2& mean, Eigen::Matrix3d step_covariance, double periods) const;
+  /// Along a bare corridor the match says nothing of the motion; if the habits do, it is done again with what they say.
+  void assume_habit(double turn, double periods, PosePrior& prior, Registration& found) const;
   Pose2 hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const;
   Eigen::Matrix3d grow_information(const Eigen::Matrix3d& matched, const Eigen::Matrix3d& known, const Pose2& moved);
   Registration match(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, const Pose2& guess,
-                     PosePrior& prior, OdometryStep& step);
+                     double periods, PosePrior& prior, OdometryStep& step);
   void look_around(const PosePrior& prior, Registration& found, double& score) const;
   void catch_fall(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, PosePrior& prior,
                   Registration& found, double& score, OdometryStep& step);
@@ -76,6 +79,8 @@ class Odometry {
 
   OdometryOptions options_;
   WheelWitness wheels_;
+  MotionHabits habits_;
+  bool ask_habits_ = false;  // the wheels cannot be asked
   ScanClock clock_;
   SafetyNet net_;
   SurfaceWorkspace surface_work_;

@@ -9,6 +9,7 @@ struct OdometryOptions {
   bool use_wheels = true;
   bool deskew = true;
   bool standstill_lock = true;
+  bool motion_habits = true;
   double keyframe_distance_m = 0.25;
   double keyframe_angle_deg = 15.0;
   int window_keyframes = 16;
@@ -22,6 +23,8 @@ struct OdometryOptions {
     v("use_wheels", self.use_wheels, OptionInfo{"", "listen to wheel odometry where the log has any"});
     v("deskew", self.deskew, OptionInfo{"", "take the motion during a turn out of the scan"});
     v("standstill_lock", self.standstill_lock, OptionInfo{"", "hold the pose while nothing moves"});
+    v("motion_habits", self.motion_habits,
+      OptionInfo{"", "along bare corridors, tell rest by the walls' relief and else assume the robot's usual motion"});
     v("keyframe_distance_m", self.keyframe_distance_m, OptionInfo{"m", "a new keyframe after so much way", 0.01, 10});
     v("keyframe_angle_deg", self.keyframe_angle_deg, OptionInfo{"deg", "a new keyframe after so much turn", 1, 180});
     v("window_keyframes", self.window_keyframes, OptionInfo{"", "keyframes in the local map", 1, 200});

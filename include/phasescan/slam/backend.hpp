@@ -41,6 +41,12 @@ class Backend {
   /// Poses on the map of all keyframes that were handed in, in that order; in bounded-memory mode not every one became
   /// a node of the graph. With `odometry` as laser odometry saw them.
   std::vector<Pose2> handed_in_poses(bool odometry = false) const;
+  std::size_t handed_in() const { return handed_.size(); }
+  /// One of them. @param keyframe  below handed_in()
+  Pose2 handed_in_pose(std::size_t keyframe) const {
+    const Handed& h = handed_[keyframe];
+    return graph_.poses()[static_cast<std::size_t>(h.node)] * h.T_node_keyframe();
+  }
 
   /// The nodes of the graph.
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
@@ -53,7 +59,34 @@ class Backend {
 
  private:
   void add_keyframe(Keyframe keyframe);
-  bool locate(const Keyframe& keyframe);
+  /// Makes a node of a keyframe and looks for its loops.
+  void take(Keyframe keyframe);
+  void hand_in(int node, const Pose2& T_node_keyframe, const Pose2& T_odom);
+
+  // Bounded memory (backend_bounded.cpp).
+  /// What the map has at a place that a keyframe is thought to look from.
+  struct Sight {
+    int around = 0;      ///< nodes that look at the same from so near
+    Pose2 pose;          ///< on the map; the guess where it does not fit
+    double overlap = 0;  ///< share of the hits on the map; 0 where the match moves the guess too far
+  };
+  /// A place that looks like what a keyframe sees, elsewhere than it should be.
+  struct Suspicion {
+    Pose2 guess, pose;
+    int node = 0;             ///< that shows the place
+    std::size_t waiting = 0;  ///< which of the waiting keyframes
+    Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
+  };
+  void settle(Keyframe keyframe);
+  void settle_waiting();
+  void stand(const Keyframe& keyframe, const Pose2& pose);
+  Sight look(const Keyframe& keyframe, const Pose2& guess);
+  std::optional<Suspicion> recognise(const Keyframe& keyframe, const Pose2& guess);
+  bool jump();
+  bool join_waiting();
+  Pose2 guess_of(const Keyframe& keyframe) const;
+  const LocalMap& surroundings(int node);
+
   void find_loops(int node);
   void find_places(int node);
   void believe(const Loop& loop);
@@ -92,6 +125,10 @@ class Backend {
   std::size_t next_cached_ = 0;
   LocalMap surroundings_;  // bounded memory: of the node that scans stand at now
   int surroundings_of_ = -1;
+  std::vector<Keyframe> waiting_;      // bounded memory: keyframes that do not fit the map where they should be
+  std::vector<Suspicion> suspicions_;  // of those
+  double since_fit_m_ = 0.0;           // way since a keyframe fitted the map
+  std::size_t sure_nodes_ = 0;         // nodes from before a break since which none did
   int nodes_at_optimize_ = 0;
   std::size_t new_edges_ = 0;
   bool large_correction_ = false;

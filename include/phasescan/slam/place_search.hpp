@@ -39,6 +39,11 @@ class PlaceSearch {
   /// @cost  0.1 ms and 0.1 us an earlier keyframe; 1 ms a candidate
   std::vector<PlaceMatch> add(std::span<const Keyframe> keyframes, std::span<const Pose2> poses, bool search);
 
+  /// The same for a keyframe that is not among them and does not enter the index; what it sees alone is compared with
+  /// the first `nodes` keyframes.
+  std::vector<PlaceMatch> find(const Keyframe& query, std::span<const Keyframe> keyframes, std::span<const Pose2> poses,
+                               std::size_t nodes);
+
   std::size_t matched() const;  ///< candidates that the matcher was asked about
 
  private:

@@ -44,6 +44,9 @@ class Slam {
 
   /// One pose of the base per scan that was added, in that order. Before finish() as far as is known.
   std::vector<Pose2> trajectory() const;
+  /// The pose of one scan as the map has it now; empty while its keyframe waits to be handed to the backend. Before
+  /// finish() only with one thread.
+  std::optional<Pose2> pose_on_map(std::size_t scan) const;
   /// The map that the keyframes' scans draw from their poses as they stand.
   OccupancyGrid render_map() const;
   /// The trajectory as laser odometry alone saw it.
@@ -70,6 +73,7 @@ class Slam {
   std::vector<Keyframe> batch_;
   Pose2 T_odom_keyframe_;
   std::int32_t keyframes_ = 0;
+  std::vector<std::int32_t> breaks_;  // keyframes at which a new local map was begun
 };
 
 }  // namespace phasescan
