@@ -85,6 +85,7 @@ int run_slam(const SlamFlags& flags) {
   SlamRun run;
   run.log = flags.log;
   run.times = !flags.common.no_times;
+  run.glass_blocks = config.slam.glass.block;
   LogOptions log_options;
   log_options.topic = flags.topic;
   const std::unique_ptr<LogReader> reader = open_log(flags.log, log_options);

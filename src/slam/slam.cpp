@@ -103,20 +103,35 @@ std::vector<Pose2> Slam::trajectory() const {
   return anchored(backend_->handed_in_poses());
 }
 
+PlacedScan Slam::placed_keyframe(std::size_t i) const {
+  const bool polished = !records_.empty() && polished_.size() == records_.size();
+  const Keyframe& keyframe = backend_->keyframes()[i];
+  const LaserMount& mount = keyframe.mount;
+  const Pose2 T_map_stamp =
+      polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend_->poses()[i] * keyframe.T_mid_stamp;
+  PlacedScan placed;
+  placed.scan = keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored);
+  placed.T_map_laser = T_map_stamp * mount.T_base_laser;
+  placed.flipped = mount.flipped;
+  placed.twist = options_.odometry.deskew ? mount.laser_twist(keyframe.twist) : Twist2{};
+  if (mount.flipped) placed.twist = {placed.twist.vx, -placed.twist.vy, -placed.twist.omega};
+  return placed;
+}
+
 OccupancyGrid Slam::render_map() const {
   OccupancyGrid grid(options_.map);
-  const bool polished = !records_.empty() && polished_.size() == records_.size();
   for (std::size_t i = 0; i < backend_->keyframes().size(); ++i) {
-    const Keyframe& keyframe = backend_->keyframes()[i];
-    const LaserMount& mount = keyframe.mount;
-    const Pose2 T_map_stamp =
-        polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend_->poses()[i] * keyframe.T_mid_stamp;
-    Twist2 twist = options_.odometry.deskew ? mount.laser_twist(keyframe.twist) : Twist2{};
-    if (mount.flipped) twist = {twist.vx, -twist.vy, -twist.omega};
-    grid.add_scan(keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored),
-                  T_map_stamp * mount.T_base_laser, mount.flipped, twist);
+    const PlacedScan placed = placed_keyframe(i);
+    grid.add_scan(placed.scan, placed.T_map_laser, placed.flipped, placed.twist);
   }
   return grid;
+}
+
+std::vector<GlassPane> Slam::find_glass_panes(const OccupancyGrid& grid) const {
+  if (!options_.glass.enabled) return {};
+  std::vector<GlassPane> panes = find_glass(
+      backend_->keyframes().size(), [&](std::size_t i) { return placed_keyframe(i); }, grid, options_.glass);
+  return cut_where_driven(std::move(panes), trajectory(), options_.glass.keep_open_m, options_.glass.min_length_m);
 }
 
 std::vector<Pose2> Slam::odometry_trajectory() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "phasescan/core/options.hpp"
+#include "phasescan/map/glass.hpp"
 #include "phasescan/map/occupancy_grid.hpp"
 #include "phasescan/odometry/options.hpp"
 
@@ -74,6 +75,7 @@ struct SlamOptions {
   OdometryOptions odometry;
   LoopOptions loops;
   OccupancyOptions map;
+  GlassOptions glass;
 
   template <class Self, class Visitor>
   static void visit_sections(Self& self, Visitor&& v) {
@@ -81,6 +83,7 @@ struct SlamOptions {
     v("odometry", self.odometry);
     v("loops", self.loops);
     v("map", self.map);
+    v("glass", self.glass);
   }
   /// @throws std::invalid_argument naming section, field and bounds.
   void validate() const {

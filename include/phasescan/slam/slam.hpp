@@ -9,6 +9,7 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/core/time.hpp"
+#include "phasescan/map/glass.hpp"
 #include "phasescan/map/occupancy_grid.hpp"
 #include "phasescan/odometry/odometry.hpp"
 #include "phasescan/slam/backend.hpp"
@@ -46,6 +47,8 @@ class Slam {
   std::vector<Pose2> trajectory() const;
   /// The map that the keyframes' scans draw from their poses as they stand.
   OccupancyGrid render_map() const;
+  /// Glass and black surfaces that the same scans show, none where the robot drove. @param grid  the rendered map
+  std::vector<GlassPane> find_glass_panes(const OccupancyGrid& grid) const;
   /// The trajectory as laser odometry alone saw it.
   std::vector<Pose2> odometry_trajectory() const;
   const std::vector<ScanRecord>& records() const { return records_; }
@@ -57,6 +60,7 @@ class Slam {
  private:
   struct Worker;
   void hand_over();
+  PlacedScan placed_keyframe(std::size_t i) const;
   std::vector<Pose2> anchored(const std::vector<Pose2>& keyframe_poses) const;
 
   SlamOptions options_;
