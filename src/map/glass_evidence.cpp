@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "phasescan/core/angle.hpp"
 
@@ -14,7 +15,9 @@ constexpr double kBehindM = 0.25;                   // a hit so far behind went 
 constexpr double kMostOblique = deg_to_rad(66.0);   // beyond it any surface may fail to answer
 constexpr double kFacingFrom = deg_to_rad(20.0);    // hits up to here are an answer head on, if not a clean one
 constexpr double kVanishShare = 0.5;                // of the range up to which a surface should have answered
-constexpr double kBehindShare = 0.6;                // the same of what stands behind
+constexpr double kBehindShare = 0.8;                // the same of what stands behind
+constexpr double kNearShare = 0.4;                  // a black surface answers from nearer than this
+constexpr double kShellM = 0.25;
 constexpr double kKnownBehind = 2.0;                // log-odds of what surely stands there
 constexpr double kFlankM = 0.6;                     // so near to a gap its wall must be seen
 constexpr double kMostLike = 0.15;                  // share of beams that may say otherwise
@@ -33,9 +36,16 @@ void GlassEvidence::Bin::pool(const Bin& o) {
   oblique_through += o.oblique_through, oblique_vanished += o.oblique_vanished;
   oblique_scans = std::max(oblique_scans, o.oblique_scans);
   hits += o.hits, through += o.through;
-  vanished_far += o.vanished_far, vanished_near += o.vanished_near, expected += o.expected;
-  vanished_scans = std::max(vanished_scans, o.vanished_scans);
-  farthest_hit = std::max(farthest_hit, o.farthest_hit);
+  expected += o.expected;
+  expected_scans = std::max(expected_scans, o.expected_scans);
+  for (std::size_t s = 0; s < kShells; ++s) {
+    hits_at[s] += o.hits_at[s], vanished_at[s] += o.vanished_at[s];
+    scans_at[s] = std::max(scans_at[s], o.scans_at[s]);
+  }
+}
+
+int GlassEvidence::Bin::vanished() const {
+  return std::accumulate(vanished_at.begin(), vanished_at.end(), 0);
 }
 
 GlassEvidence::GlassEvidence(const GlassCandidate& candidate, const GlassOptions& options)
@@ -108,30 +118,29 @@ void GlassEvidence::count_gap(double range_max, const OccupancyGrid& grid) {
     wall_below = wall_below || (m.at.place < candidate_.low && m.at.place > candidate_.low - kFlankM);
     wall_above = wall_above || (m.at.place > candidate_.high && m.at.place < candidate_.high + kFlankM);
   }
-  std::size_t last = bins_.size();
+  range_max_ = std::max(range_max_, range_max);
+  std::size_t last = bins_.size(), last_expected = bins_.size();
   for (const Met& m : met_) {
     Bin& bin = bins_[m.bin];
     if (m.at.incidence > kMostOblique) continue;
+    const auto shell = static_cast<std::size_t>(m.at.range / kShellM);
+    if (shell >= kShells) continue;
     if (m.ray->end == RayEnd::kHit) {
-      if (m.at.behind <= tolerance(m.at.range)) {
-        ++bin.hits;
-        bin.farthest_hit = std::max(bin.farthest_hit, m.at.range);
-      }
+      if (m.at.behind <= tolerance(m.at.range)) ++bin.hits, ++bin.hits_at[shell];
       bin.through += m.at.behind > kBehindM;
       continue;
     }
     if (!wall_below || !wall_above || m.at.range > kVanishShare * range_max) continue;
-    if (bin.farthest_hit > 0.0 && m.at.range < bin.farthest_hit)
-      ++bin.vanished_near;
-    else
-      ++bin.vanished_far;
+    ++bin.vanished_at[shell];
+    if (m.bin != last) ++bin.scans_at[shell];
+    last = m.bin;
     const double left = kBehindShare * range_max - m.at.range - kBehindM;
     const Eigen::Vector2d behind = m.ray->from + (m.at.range + kBehindM) * m.ray->direction;
     const double direction = std::atan2(m.ray->direction.y(), m.ray->direction.x());
     if (left > 0.0 && grid.raycast(behind, direction, left, kKnownBehind)) {
       ++bin.expected;
-      if (m.bin != last) ++bin.vanished_scans;
-      last = m.bin;
+      if (m.bin != last_expected) ++bin.expected_scans;
+      last_expected = m.bin;
     }
   }
 }
@@ -152,10 +161,29 @@ bool GlassEvidence::is_glass(const Bin& b) const {
   return b.facing_hits >= 2 && b.facing_hits >= 2 * b.facing_open && passable(b);
 }
 
-bool GlassEvidence::is_black(const Bin& b) const {
-  const int vanished = b.vanished_near + b.vanished_far;
-  return vanished >= kSeen && b.through <= kMostLike * vanished && b.vanished_scans >= kSeen &&
-         b.expected >= 0.6 * vanished;
+bool GlassEvidence::answers_near_only(const Bin& b) const {
+  // Up to some range beams come back, beyond it hardly any does.
+  const auto last = std::min(kShells, static_cast<std::size_t>(kNearShare * range_max_ / kShellM));
+  int hits_near = 0, vanished_near = 0;
+  for (std::size_t far = 1; far <= last; ++far) {
+    hits_near += b.hits_at[far - 1];
+    vanished_near += b.vanished_at[far - 1];
+    int hits_far = 0, vanished_far = 0, scans = 0;
+    for (std::size_t s = far; s < kShells; ++s)
+      hits_far += b.hits_at[s], vanished_far += b.vanished_at[s], scans += b.scans_at[s];
+    if (hits_near >= kSeen && vanished_near <= hits_near && vanished_far >= kSeen && scans >= kSeen &&
+        hits_far <= kMostLike * vanished_far)
+      return true;
+  }
+  return false;
+}
+
+bool GlassEvidence::is_black(std::size_t i) const {
+  const Bin& b = bins_[i];
+  const int vanished = b.vanished();
+  if (vanished < kSeen || b.through > kMostLike * vanished) return false;
+  if (b.expected_scans >= kSeen && b.expected >= 0.6 * vanished && b.hits <= kMostLike * vanished) return true;
+  return answers_near_only(b);
 }
 
 void GlassEvidence::grow(std::size_t& from, std::size_t& to) const {
@@ -186,8 +214,8 @@ GlassPane GlassEvidence::pane(std::size_t from, std::size_t to) const {
     const Bin& b = bins_[i];
     out.hits += static_cast<std::size_t>(b.hits);
     out.through += static_cast<std::size_t>(candidate_.gap ? b.through : b.oblique_through);
-    out.vanished += static_cast<std::size_t>(candidate_.gap ? b.vanished_far + b.vanished_near : b.oblique_vanished);
-    scans = std::max(scans, b.vanished_scans);
+    out.vanished += static_cast<std::size_t>(candidate_.gap ? b.vanished() : b.oblique_vanished);
+    scans = std::max(scans, std::accumulate(b.scans_at.begin(), b.scans_at.end(), 0));
   }
   double first = 1e300, last = -1e300;
   if (candidate_.gap) {
@@ -212,8 +240,7 @@ std::vector<GlassPane> GlassEvidence::panes() const {
   std::vector<GlassPane> out;
   std::vector<char> is(bins_.size(), 0);
   for (std::size_t i = 0; i < bins_.size(); ++i) {
-    const Bin b = pooled(i);
-    is[i] = candidate_.gap ? is_black(b) : is_glass(b);
+    is[i] = candidate_.gap ? is_black(i) : is_glass(pooled(i));
   }
   for (std::size_t i = 0; i < is.size(); ++i) {
     if (!is[i]) continue;
@@ -221,7 +248,7 @@ std::vector<GlassPane> GlassEvidence::panes() const {
     for (std::size_t k = i + 1; k < is.size() && k <= last + kJoinBins + 1; ++k) {
       if (is[k]) {
         last = k;
-      } else if (const Bin b = pooled(k); candidate_.gap ? b.through > b.vanished_far : b.facing_open > b.facing_hits) {
+      } else if (const Bin b = pooled(k); candidate_.gap ? b.through > b.vanished() : b.facing_open > b.facing_hits) {
         break;  // open there
       }
     }

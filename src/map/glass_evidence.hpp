@@ -1,6 +1,7 @@
 // What all scans say of a line, piece by piece: whether glass or something black is on it.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "map/glass_candidates.hpp"
@@ -18,6 +19,7 @@ class GlassEvidence {
   std::vector<GlassPane> panes() const;
 
  private:
+  static constexpr std::size_t kShells = 40;  // of 25 cm
   /// 10 cm of the line. Counts of beams; `scans` of scans.
   struct Bin {
     int facing_hits = 0, facing_open = 0;              // head on: answered, went on
@@ -25,10 +27,10 @@ class GlassEvidence {
     int oblique_through = 0, oblique_vanished = 0;     // of scans that were answered head on elsewhere on the line
     int oblique_scans = 0;                             // of those
     int hits = 0, through = 0;                         // at whatever angle
-    int vanished_far = 0, vanished_near = 0;           // with the wall seen on both sides
-    int expected = 0, vanished_scans = 0;              // something known stands behind
-    double farthest_hit = 0.0;
+    int expected = 0, expected_scans = 0;              // vanished though something known stands behind
+    std::array<int, kShells> hits_at{}, vanished_at{}, scans_at{};  // by range; vanished: with the wall seen beside it
     void pool(const Bin& o);
+    int vanished() const;
   };
   struct Witness {
     double place = 0.0;         // of the sensor along the line
@@ -44,7 +46,8 @@ class GlassEvidence {
   void count_gap(double range_max, const OccupancyGrid& grid);
   Bin pooled(std::size_t i) const;
   bool is_glass(const Bin& bin) const;
-  bool is_black(const Bin& bin) const;
+  bool is_black(std::size_t i) const;
+  bool answers_near_only(const Bin& bin) const;
   bool passable(const Bin& bin) const;
   GlassPane pane(std::size_t from, std::size_t to) const;
   void grow(std::size_t& from, std::size_t& to) const;
@@ -56,6 +59,7 @@ class GlassEvidence {
   std::vector<Bin> bins_;
   std::vector<Met> met_;
   std::vector<Witness> witnesses_;
+  double range_max_ = 0.0;  // of the sensor that sees farthest
 };
 
 }  // namespace phasescan
