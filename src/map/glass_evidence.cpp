@@ -24,6 +24,7 @@ constexpr double kMostLike = 0.15;                  // share of beams that may s
 constexpr std::size_t kJoinBins = 3, kGrowBins = 5;
 constexpr double kWayM = 0.4;  // the sensor moved so far along the line while it saw the surface
 constexpr int kSeen = 3;
+constexpr double kSureShare = 0.35;  // oblique beams that went on, for each one that was answered
 
 double tolerance(double range) {
   return 0.05 + 0.015 * range;
@@ -231,8 +232,9 @@ GlassPane GlassEvidence::pane(std::size_t from, std::size_t to) const {
       last = std::max(last, w.place);
     }
   }
+  const double passed = static_cast<double>(out.through + out.vanished) / std::max(1.0, static_cast<double>(out.hits));
   out.sure = out.views >= static_cast<std::size_t>(options_.min_views) && out.length() >= options_.min_length_m &&
-             last - first >= kWayM;
+             last - first >= kWayM && (candidate_.gap || passed >= kSureShare);
   return out;
 }
 
