@@ -207,9 +207,9 @@ void write_slam_output(const std::string& folder, const Slam& slam, const SlamRu
   }
   for (const char* key : {"found", "accepted", "rejected"})
     report.facts.emplace_back(std::string("loops ") + key, summary["loops"][key].dump());
-  report.facts.emplace_back("glass and black surfaces", fmt::format("{}, {} m; {} more possible", summary["glass"]["count"].dump(),
-                                                                   summary["glass"]["total_m"].dump(),
-                                                                   summary["glass"]["possible_count"].dump()));
+  report.facts.emplace_back("glass and black surfaces",
+                            fmt::format("{}, {} m; {} more possible", summary["glass"]["count"].dump(),
+                                        summary["glass"]["total_m"].dump(), summary["glass"]["possible_count"].dump()));
   report.facts.emplace_back("odometry", run.odometry_assumed);
   report.warnings = warning_lines(summary, run);
   write_file(base + "report.html", format_slam_report(report));

@@ -17,7 +17,7 @@ struct SlamRun {
   bool odometry_used = false;
   bool complete = true;  ///< false: stopped by the user
   bool times = true;
-  bool glass_blocks = true;  ///< sure glass is occupied in map.pgm
+  bool glass_blocks = true;   ///< sure glass is occupied in map.pgm
   std::vector<float> cpu_ms;  ///< tracker's thread, per scan
   std::vector<float> wall_ms;
   std::vector<float> overlap;

@@ -10,7 +10,7 @@
 namespace phasescan {
 namespace {
 
-constexpr double kSameM = 0.15;    // two panes nearer to each other than this are one
+constexpr double kSameM = 0.15;      // two panes nearer to each other than this are one
 constexpr double kLeastOpenM = 0.1;  // a cell that the robot stood in is free, whatever is asked for
 
 double distance(const Eigen::Vector2d& p, const GlassPane& pane) {
@@ -23,8 +23,7 @@ double distance(const Eigen::Vector2d& p, const GlassPane& pane) {
 bool same(const GlassPane& a, const GlassPane& b) {
   const GlassPane &shorter = a.length() < b.length() ? a : b, &longer = a.length() < b.length() ? b : a;
   int near = 0;
-  for (int k = 0; k <= 10; ++k)
-    near += distance(shorter.a + 0.1 * k * (shorter.b - shorter.a), longer) < kSameM;
+  for (int k = 0; k <= 10; ++k) near += distance(shorter.a + 0.1 * k * (shorter.b - shorter.a), longer) < kSameM;
   return near > 5;
 }
 

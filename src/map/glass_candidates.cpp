@@ -8,10 +8,10 @@
 namespace phasescan {
 namespace {
 
-constexpr double kReachM = 12.0;      // farther off a scan says too little of a surface
-constexpr int kLostBeams = 3;         // a straight piece may lack so many in a row
+constexpr double kReachM = 12.0;  // farther off a scan says too little of a surface
+constexpr int kLostBeams = 3;     // a straight piece may lack so many in a row
 constexpr double kMinPieceM = 0.05;
-constexpr double kWidestFacet = deg_to_rad(35.0);  // seen under more than this: a surface like others
+constexpr double kWidestFacet = deg_to_rad(35.0);    // seen under more than this: a surface like others
 constexpr double kMostIncidence = deg_to_rad(68.0);  // beyond it any surface may fail to answer
 constexpr int kBeamsBeside = 7, kLeastBeside = 3;
 constexpr double kBehindM = 0.25;  // a hit so far behind a line went through it

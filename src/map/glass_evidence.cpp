@@ -11,16 +11,16 @@ namespace {
 
 constexpr double kBinM = 0.1, kBesideM = 0.7;  // the line is looked at so far beyond what was seen of it
 constexpr double kReachM = 10.0;
-constexpr double kBehindM = 0.25;                   // a hit so far behind went through
-constexpr double kMostOblique = deg_to_rad(66.0);   // beyond it any surface may fail to answer
-constexpr double kFacingFrom = deg_to_rad(20.0);    // hits up to here are an answer head on, if not a clean one
-constexpr double kVanishShare = 0.5;                // of the range up to which a surface should have answered
-constexpr double kBehindShare = 0.8;                // the same of what stands behind
-constexpr double kNearShare = 0.4;                  // a black surface answers from nearer than this
+constexpr double kBehindM = 0.25;                  // a hit so far behind went through
+constexpr double kMostOblique = deg_to_rad(66.0);  // beyond it any surface may fail to answer
+constexpr double kFacingFrom = deg_to_rad(20.0);   // hits up to here are an answer head on, if not a clean one
+constexpr double kVanishShare = 0.5;               // of the range up to which a surface should have answered
+constexpr double kBehindShare = 0.8;               // the same of what stands behind
+constexpr double kNearShare = 0.4;                 // a black surface answers from nearer than this
 constexpr double kShellM = 0.25;
-constexpr double kKnownBehind = 2.0;                // log-odds of what surely stands there
-constexpr double kFlankM = 0.6;                     // so near to a gap its wall must be seen
-constexpr double kMostLike = 0.15;                  // share of beams that may say otherwise
+constexpr double kKnownBehind = 2.0;  // log-odds of what surely stands there
+constexpr double kFlankM = 0.6;       // so near to a gap its wall must be seen
+constexpr double kMostLike = 0.15;    // share of beams that may say otherwise
 constexpr std::size_t kJoinBins = 3, kGrowBins = 5;
 constexpr double kWayM = 0.4;  // the sensor moved so far along the line while it saw the surface
 constexpr int kSeen = 3;

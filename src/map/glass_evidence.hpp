@@ -22,18 +22,18 @@ class GlassEvidence {
   static constexpr std::size_t kShells = 40;  // of 25 cm
   /// 10 cm of the line. Counts of beams; `scans` of scans.
   struct Bin {
-    int facing_hits = 0, facing_open = 0;              // head on: answered, went on
-    int oblique_hits = 0;                              // of any scan
-    int oblique_through = 0, oblique_vanished = 0;     // of scans that were answered head on elsewhere on the line
-    int oblique_scans = 0;                             // of those
-    int hits = 0, through = 0;                         // at whatever angle
-    int expected = 0, expected_scans = 0;              // vanished though something known stands behind
+    int facing_hits = 0, facing_open = 0;           // head on: answered, went on
+    int oblique_hits = 0;                           // of any scan
+    int oblique_through = 0, oblique_vanished = 0;  // of scans that were answered head on elsewhere on the line
+    int oblique_scans = 0;                          // of those
+    int hits = 0, through = 0;                      // at whatever angle
+    int expected = 0, expected_scans = 0;           // vanished though something known stands behind
     std::array<int, kShells> hits_at{}, vanished_at{}, scans_at{};  // by range; vanished: with the wall seen beside it
     void pool(const Bin& o);
     int vanished() const;
   };
   struct Witness {
-    double place = 0.0;         // of the sensor along the line
+    double place = 0.0;            // of the sensor along the line
     double low = 0.0, high = 0.0;  // where it was answered head on
   };
   struct Met {

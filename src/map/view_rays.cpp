@@ -10,9 +10,8 @@ std::vector<ViewRay> view_rays(const PlacedScan& view, double* step_rad) {
   const bool moving = !view.twist.is_zero() && scan.time_increment != 0.0;
   std::vector<ViewRay> rays(scan.size());
   for (std::size_t b = 0; b < scan.size(); ++b) {
-    const Pose2 pose = moving
-                           ? view.T_map_laser * exp_twist(view.twist, static_cast<double>(b) * scan.time_increment)
-                           : view.T_map_laser;
+    const Pose2 pose = moving ? view.T_map_laser * exp_twist(view.twist, static_cast<double>(b) * scan.time_increment)
+                              : view.T_map_laser;
     const double angle = pose.theta + (view.flipped ? -1.0 : 1.0) * scan.angle(b);
     ViewRay& ray = rays[b];
     ray.from = pose.translation();

@@ -129,8 +129,9 @@ std::string glass_legend(std::span<const GlassPane> panes) {
       if (pane.sure) metres += pane.length();
     }
     if (sure + possible == 0) continue;
-    text += fmt::format("{}{}: {} ({:.1f} m)", text.empty() ? "" : " ",
-                        kind == GlassKind::kGlass ? "Light blue, glass" : "Purple, black or glossy surfaces", sure, metres);
+    text +=
+        fmt::format("{}{}: {} ({:.1f} m)", text.empty() ? "" : " ",
+                    kind == GlassKind::kGlass ? "Light blue, glass" : "Purple, black or glossy surfaces", sure, metres);
     text += possible > 0 ? fmt::format(", dashed: {} more that are only possible.", possible) : ".";
   }
   return text;

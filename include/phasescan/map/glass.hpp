@@ -41,18 +41,19 @@ struct GlassOptions {
 
 enum class GlassKind : std::uint8_t {
   kGlass,  ///< answered head on, was looked through obliquely
-  kBlack,  ///< swallows beams: nothing came back, though there is something behind it, or it answered from near or head on
+  kBlack,  ///< swallows beams: nothing came back, though there is something behind it, or it answered from near or head
+           ///< on
 };
 
 /// A straight piece of such a surface, frame of the map [m].
 struct GlassPane {
   Eigen::Vector2d a, b;
   GlassKind kind = GlassKind::kGlass;
-  bool sure = false;        ///< enough views, from places far enough apart
-  std::size_t views = 0;    ///< scans that show it
-  std::size_t hits = 0;     ///< beams that it answered
-  std::size_t through = 0;  ///< beams that ended behind it
-  std::size_t vanished = 0; ///< beams that should have come back and did not
+  bool sure = false;         ///< enough views, from places far enough apart
+  std::size_t views = 0;     ///< scans that show it
+  std::size_t hits = 0;      ///< beams that it answered
+  std::size_t through = 0;   ///< beams that ended behind it
+  std::size_t vanished = 0;  ///< beams that should have come back and did not
 
   double length() const { return (b - a).norm(); }
 };
@@ -67,11 +68,11 @@ struct PlacedScan {
 
 /// Looks for panes in scans at their final poses.
 ///
-/// Glass: over several scans hits lie on one line, each only at the foot of that scan's perpendicular, while in the same
-/// scan beams that meet the line obliquely go through or vanish, and no scan sees the same spot obliquely. People, doors
-/// that moved and a torn map do not do that: it is the same scan that hits and passes. Black: between two pieces of one
-/// wall beams vanish that should have met what is known to stand behind, or that did come back from nearer by. A gap
-/// behind which nothing is known (a doorway to a hall larger than the sensor's range) is never claimed.
+/// Glass: over several scans hits lie on one line, each only at the foot of that scan's perpendicular, while in the
+/// same scan beams that meet the line obliquely go through or vanish, and no scan sees the same spot obliquely. People,
+/// doors that moved and a torn map do not do that: it is the same scan that hits and passes. Black: between two pieces
+/// of one wall beams vanish that should have met what is known to stand behind, or that did come back from nearer by. A
+/// gap behind which nothing is known (a doorway to a hall larger than the sensor's range) is never claimed.
 ///
 /// @param scan_of  gives the k-th of `count` scans; asked for twice, in order
 /// @param grid     the map of the same scans
