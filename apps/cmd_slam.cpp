@@ -71,7 +71,9 @@ void feed(LogReader& reader, Slam& slam, InputCheck& check, const SlamFlags& fla
       slam.repeat(entry->scan, mount);
       overlap = run.overlap.empty() ? 0.0F : run.overlap.back();
     }
-    run.cpu_ms.push_back(static_cast<float>(1e3 * (thread_cpu_seconds() - cpu)));
+    const double spent = thread_cpu_seconds() - cpu;
+    run.cpu_ms.push_back(static_cast<float>(1e3 * spent));
+    run.tracking_ms.push_back(static_cast<float>(1e3 * (spent - slam.last_backend_cpu_s())));
     run.wall_ms.push_back(static_cast<float>(1e3 * (wall_seconds() - wall)));
     run.overlap.push_back(overlap);
     progress.step(slam.records().size());
@@ -114,7 +116,7 @@ int run_slam(const SlamFlags& flags) {
   if (reader->damage_count() > reader->damages().size())
     run.damages["further damage"] = reader->damage_count() - reader->damages().size();
   write_slam_output(flags.out, slam, run);
-  if (!flags.mcap.empty()) write_slam_mcap(flags.mcap, flags.log, log_options, slam);
+  if (!flags.mcap.empty()) write_slam_mcap(flags.mcap, flags.log, log_options, slam, run.glass_blocks);
   for (const auto& [kind, oddity] : check.oddities()) {
     warn(oddity.first + (oddity.count > 1 ? " (" + std::to_string(oddity.count) + " times: " + kind + ")" : ""));
   }

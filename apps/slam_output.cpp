@@ -108,6 +108,7 @@ Json timing_of(const SlamRun& run) {
   return {{"scans", run.cpu_ms.size()},
           {"cpu_ms_per_scan", rounded(1e3 * run.total_cpu_s / n, 1e4)},
           {"wall_ms_per_scan", rounded(1e3 * run.total_wall_s / n, 1e4)},
+          {"tracking_cpu_ms", percentiles(run.tracking_ms)},
           {"step_cpu_ms", percentiles(run.cpu_ms)},
           {"step_wall_ms", percentiles(run.wall_ms)},
           {"peak_memory_mib", rounded(static_cast<double>(usage.ru_maxrss) / 1024.0, 10.0)}};
@@ -165,6 +166,16 @@ std::vector<std::string> warning_lines(const Json& summary, const SlamRun& run) 
 
 }  // namespace
 
+FinishedMap finished_map(const Slam& slam, bool glass_blocks) {
+  const OccupancyGrid grid = slam.render_map();
+  FinishedMap out{make_trinary(grid), slam.find_glass_panes(grid)};
+  for (const GlassPane& pane : out.panes) {
+    if (!pane.sure || !glass_blocks) continue;
+    for (const std::size_t cell : cells_of(out.map, pane)) out.map.cells[cell] = CellState::kOccupied;
+  }
+  return out;
+}
+
 void write_slam_output(const std::string& folder, const Slam& slam, const SlamRun& run) {
   make_folder(folder);
   const std::string base = folder + "/";
@@ -175,13 +186,7 @@ void write_slam_output(const std::string& folder, const Slam& slam, const SlamRu
   write_file(base + "trajectory.tum", format_tum(stamped));
   stamped = {};
   write_file(base + "graph.g2o", format_g2o(slam.backend().graph()));
-  const OccupancyGrid grid = slam.render_map();
-  TrinaryMap map = make_trinary(grid);
-  const std::vector<GlassPane> panes = slam.find_glass_panes(grid);
-  for (const GlassPane& pane : panes) {
-    if (!pane.sure || !run.glass_blocks) continue;
-    for (const std::size_t cell : cells_of(map, pane)) map.cells[cell] = CellState::kOccupied;
-  }
+  const auto [map, panes] = finished_map(slam, run.glass_blocks);
   write_file(base + "map.pgm", format_pgm(map));
   write_file(base + "map.yaml", format_map_yaml(map, "map.pgm"));
   write_file(base + "map.png", format_png(map, paints_of(map, panes)));

@@ -29,6 +29,7 @@ Slam::~Slam() {
 }
 
 OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& odometry) {
+  backend_cpu_s_ = 0.0;
   const OdometryStep step = odometry_.add(scan, mount, odometry);
   if (step.T_odom_first && !batch_.empty()) {
     Keyframe& first = batch_.front();
@@ -72,12 +73,14 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
 }
 
 void Slam::repeat(const Scan& scan, const LaserMount& mount) {
+  backend_cpu_s_ = 0.0;
   records_.push_back(records_.empty() ? ScanRecord{} : records_.back());
   records_.back().stamp = scan.stamp;
   if (options_.slam.polish && !options_.slam.bounded_memory) store_.add(scan, mount);
 }
 
 void Slam::hand_over() {
+  const double before = thread_cpu_seconds();
   worker_->wait();
   std::vector<Keyframe> batch;
   batch.swap(batch_);
@@ -87,6 +90,7 @@ void Slam::hand_over() {
   } else {
     backend_->add_batch(std::move(batch));
   }
+  backend_cpu_s_ = thread_cpu_seconds() - before;
 }
 
 void Slam::finish() {

@@ -51,6 +51,8 @@ class Slam {
   std::vector<GlassPane> find_glass_panes(const OccupancyGrid& grid) const;
   /// The trajectory as laser odometry alone saw it.
   std::vector<Pose2> odometry_trajectory() const;
+  /// CPU time of this thread that the last add() spent on loops and graph [s]; the rest of it was tracking.
+  double last_backend_cpu_s() const { return backend_cpu_s_; }
   const std::vector<ScanRecord>& records() const { return records_; }
   const Backend& backend() const { return *backend_; }
   const Odometry& odometry() const { return odometry_; }
@@ -74,6 +76,7 @@ class Slam {
   std::vector<Keyframe> batch_;
   Pose2 T_odom_keyframe_;
   std::int32_t keyframes_ = 0;
+  double backend_cpu_s_ = 0.0;
 };
 
 }  // namespace phasescan
