@@ -120,6 +120,10 @@ int run_slam(const SlamFlags& flags) {
   for (const auto& [kind, oddity] : check.oddities()) {
     warn(oddity.first + (oddity.count > 1 ? " (" + std::to_string(oddity.count) + " times: " + kind + ")" : ""));
   }
+  if (const std::size_t left_out = slam.scans_left_out(); left_out > 0) {
+    warn(flags.log + ": the map is in " + std::to_string(slam.backend().pieces().count) +
+         " pieces that nothing ties; " + std::to_string(left_out) + " scans are not on it");
+  }
   const int code = report_damages(*reader, check.damaged() ? kDamagedInput : kDone);
   if (slam.backend().keyframes().empty()) {
     std::fprintf(stderr, "phasescan: %s: not one scan with enough returns to match\n", flags.log.c_str());

@@ -46,6 +46,8 @@ Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& 
   const std::size_t untracked = run.usable - std::min(run.usable, run.tracked);
   if (untracked > 0) warnings["scan not matched"] = untracked;
   if (run.new_segments > 0) warnings["tracking begun anew"] = run.new_segments;
+  const std::size_t left_out = slam.scans_left_out();
+  if (left_out > 0) warnings["scan not on the map"] = left_out;
   std::size_t occupied = 0, free = 0;
   for (const CellState s : map.cells) occupied += s == CellState::kOccupied, free += s == CellState::kFree;
   return {{"log", std::filesystem::path(run.log).filename().string()},
@@ -84,7 +86,9 @@ Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& 
             {"height", map.height},
             {"resolution_m", map.resolution_m},
             {"occupied_cells", occupied},
-            {"free_cells", free}}},
+            {"free_cells", free},
+            {"pieces", slam.backend().pieces().count},
+            {"scans_left_out", left_out}}},
           {"warnings", warnings}};
 }
 

@@ -15,7 +15,8 @@ constexpr std::size_t kProbePoints = 64;  // points of the quick look that choos
 constexpr double kStillM = 0.006, kStillRad = 0.003;
 constexpr double kMinUsualShare = 0.75;  // a prediction that explains less than this of what is usual is widened
 constexpr std::size_t kMinPoints = 12;
-constexpr double kLeastTrust = 0.6;  // wheels that agreed less often lately are not heard
+constexpr double kAfterGapShare = 0.8;  // a match after a gap that explains less than this of what is usual is chance
+constexpr double kLeastTrust = 0.6;     // wheels that agreed less often lately are not heard
 constexpr double kContradiction =
     11.3;  // squared Mahalanobis distance (99 %) beyond which a step of the wheels is outvoted
 constexpr double kChangeM = 0.025, kChangeRad = 0.06;  // how much the motion per scan changes from one to the next
@@ -187,6 +188,11 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   step.overlap = found.overlap;
   step.residual_m = found.residual_m;
   step.tracked = found.overlap >= options_.min_overlap;
+  if (timing.gap && pose_score(map_, *points_, found.T_map_base) < kAfterGapShare * usual_final_) {
+    // The robot may have been carried anywhere meanwhile; rooms look alike enough for a match to be found in any.
+    step.tracked = false;
+    untracked_ = options_.lost_after_scans;
+  }
   Pose2 moved = predicted;
   if (step.tracked) {
     moved = (T_map_odom * T_odom_mid_).inverse() * found.T_map_base;

@@ -46,6 +46,8 @@ void Backend::add_batch(std::vector<Keyframe> batch) {
 }
 
 void Backend::add_keyframe(Keyframe keyframe) {
+  if (keyframes_.empty() || keyframe.new_segment) piece_.push_back(static_cast<int>(piece_.size()));
+  segment_.push_back(static_cast<int>(piece_.size()) - 1);
   if (keyframes_.empty()) {
     graph_.add_node(keyframe.T_odom_base);
     way_m_.push_back(0.0);

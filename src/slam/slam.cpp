@@ -122,9 +122,30 @@ PlacedScan Slam::placed_keyframe(std::size_t i) const {
   return placed;
 }
 
+std::vector<std::size_t> Slam::drawn_keyframes() const {
+  std::vector<std::size_t> drawn;
+  const MapPieces pieces = backend_->pieces();
+  for (std::size_t i = 0; i < pieces.of_node.size(); ++i) {
+    if (!options_.slam.largest_piece || pieces.in_largest(i)) drawn.push_back(i);
+  }
+  return drawn;
+}
+
+std::size_t Slam::scans_left_out() const {
+  if (!options_.slam.largest_piece) return 0;
+  const MapPieces pieces = backend_->pieces();
+  std::size_t count = 0;
+  for (const ScanRecord& r : records_) {
+    const auto k = static_cast<std::size_t>(r.keyframe);
+    if (r.keyframe < 0 || k >= backend_->handed_in_count()) continue;
+    count += !pieces.in_largest(static_cast<std::size_t>(backend_->node_of(k)));
+  }
+  return count;
+}
+
 OccupancyGrid Slam::render_map() const {
   OccupancyGrid grid(options_.map);
-  for (std::size_t i = 0; i < backend_->keyframes().size(); ++i) {
+  for (const std::size_t i : drawn_keyframes()) {
     const PlacedScan placed = placed_keyframe(i);
     grid.add_scan(placed.scan, placed.T_map_laser, placed.flipped, placed.twist);
   }
@@ -133,8 +154,9 @@ OccupancyGrid Slam::render_map() const {
 
 std::vector<GlassPane> Slam::find_glass_panes(const OccupancyGrid& grid) const {
   if (!options_.glass.enabled) return {};
+  const std::vector<std::size_t> drawn = drawn_keyframes();
   std::vector<GlassPane> panes = find_glass(
-      backend_->keyframes().size(), [&](std::size_t i) { return placed_keyframe(i); }, grid, options_.glass);
+      drawn.size(), [&](std::size_t i) { return placed_keyframe(drawn[i]); }, grid, options_.glass);
   return cut_where_driven(std::move(panes), trajectory(), options_.glass.keep_open_m, options_.glass.min_length_m);
 }
 

@@ -58,6 +58,7 @@ struct SlamGeneralOptions {
   int batch_nodes = 10;
   bool polish = true;
   bool bounded_memory = false;
+  bool largest_piece = true;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -66,6 +67,9 @@ struct SlamGeneralOptions {
     v("polish", self.polish, OptionInfo{"", "match every scan once more against the finished map"});
     v("bounded_memory", self.bounded_memory,
       OptionInfo{"", "forget scans and redundant keyframes: memory grows with the area, not with time"});
+    v("largest_piece", self.largest_piece,
+      OptionInfo{
+          "", "where tracking broke and no loop ties the pieces, draw the largest alone: where others lie is a guess"});
   }
 };
 

@@ -45,7 +45,11 @@ class Slam {
 
   /// One pose of the base per scan that was added, in that order. Before finish() as far as is known.
   std::vector<Pose2> trajectory() const;
-  /// The map that the keyframes' scans draw from their poses as they stand.
+  /// Keyframes that the map is drawn from: all, or those of the largest piece (slam.largest_piece).
+  std::vector<std::size_t> drawn_keyframes() const;
+  /// Scans that stand in no part of the map, since nothing ties their piece to it.
+  std::size_t scans_left_out() const;
+  /// The map that these keyframes' scans draw from their poses as they stand.
   OccupancyGrid render_map() const;
   /// Glass and black surfaces that the same scans show, none where the robot drove. @param grid  the rendered map
   std::vector<GlassPane> find_glass_panes(const OccupancyGrid& grid) const;
