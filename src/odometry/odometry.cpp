@@ -15,6 +15,7 @@ constexpr std::size_t kProbePoints = 64;  // points of the quick look that choos
 constexpr double kStillM = 0.006, kStillRad = 0.003;
 constexpr double kMinUsualShare = 0.75;  // a prediction that explains less than this of what is usual is widened
 constexpr std::size_t kMinPoints = 12;
+constexpr int kLostAfterJumps = 2;
 constexpr double kAfterGapShare = 0.8;  // a match after a gap that explains less than this of what is usual is chance
 constexpr double kLeastTrust = 0.6;     // wheels that agreed less often lately are not heard
 constexpr double kContradiction =
@@ -88,7 +89,12 @@ PosePrior Odometry::make_prior(const Pose2& start, double periods) const {
   Pose2 mean = scaled(step_, periods);
   mean.theta = start.theta;
   Eigen::Matrix3d covariance = step_covariance_;
-  covariance.diagonal() += Eigen::Vector3d(kChangeM * kChangeM, kChangeM * kChangeM, kChangeRad * kChangeRad);
+  double change_m = kChangeM, change_rad = kChangeRad;
+  if (steadiness_.jumps()) {
+    change_m = std::max(change_m, steadiness_.change_m());
+    change_rad = std::max(change_rad, steadiness_.change_rad());
+  }
+  covariance.diagonal() += Eigen::Vector3d(change_m * change_m, change_m * change_m, change_rad * change_rad);
   covariance *= periods * periods;
   PosePrior prior;
   prior.T_map_base = map_.T_world_map().inverse() * T_odom_mid_ * mean;
@@ -205,6 +211,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step_covariance_ = known.inverse() / (timing.periods * timing.periods);
     step.information = grow_information(seen, known, moved);
     untracked_ = 0;
+    steadiness_.add(scaled(step_, timing.periods).inverse() * moved);
     usual_score_ = kSlow * usual_score_ + (1.0 - kSlow) * std::max(score, 0.0);
     step_ = scaled(moved, 1.0 / timing.periods);
   } else {
@@ -237,10 +244,14 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   if (step.tracked) net_.remember(scan, mount, step.T_odom_stamp, twist_);
 
   const bool enough = points_->with_normal >= kMinPoints;
-  if (!step.tracked && enough && untracked_ >= options_.lost_after_scans) {
+  // Where scans jump, the next ones share less and less with the map that lost this one.
+  const int lost_after =
+      steadiness_.jumps() ? std::min(kLostAfterJumps, options_.lost_after_scans) : options_.lost_after_scans;
+  if (!step.tracked && enough && untracked_ >= lost_after) {
     step.new_segment = true;
     window_.clear();
     insert_keyframe(step);
+    net_.remember(scan, mount, step.T_odom_stamp, twist_);
     untracked_ = 0;
   } else if (step.tracked && enough) {
     const Pose2 since = window_.back().T_odom_base.inverse() * T_odom_mid_;
