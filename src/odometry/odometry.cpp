@@ -137,6 +137,7 @@ Eigen::Matrix3d Odometry::grow_information(const Eigen::Matrix3d& matched, const
 OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& wheel) {
   OdometryStep step;
   const ScanTiming timing = clock_.add(scan);
+  steadiness_.set_period(timing.period_s);
   std::optional<Pose2> wheel_step = options_.use_wheels ? wheels_.step(wheel) : std::nullopt;
   const double seconds = timing.period_s > 0.0 ? timing.period_s * timing.periods : 0.0;
   Twist2 twist = twist_;

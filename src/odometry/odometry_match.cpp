@@ -13,6 +13,7 @@ constexpr std::size_t kFinalPoints = 150;  // points that judge a finished match
 constexpr double kMinFinalShare = 0.85;    // a match that explains less than this of what is usual is doubted
 constexpr double kFallShare = 0.7;         // one that explains less than this even after a look around asks for help
 constexpr double kDoubtfulOverlap = 0.6;   // what a search in doubt must explain of the scan to be believed
+constexpr double kMostDoubtfulTurn = 1.2;  // [rad] that a search in doubt may be off the motion before
 constexpr double kHardlyWorse = 0.05;    // where scans jump, the full search is believed if it explains so little less
 constexpr double kClearlyBetter = 0.04;  // by so much of its score another pose must be better to be taken instead
 
@@ -65,6 +66,10 @@ void Odometry::catch_fall(const Scan& scan, const LaserMount& mount, const Pose2
   by_match.information =
       caught->sure ? rotate_information(caught->covariance.inverse() / kMatchTrust, heading) : prior.information;
   if (!by_match.information.allFinite()) return;
+  if (!caught->sure) {
+    // One in doubt may be the twin of the right one.
+    if (angle_distance(prior.T_map_base.theta, by_match.T_map_base.theta) > kMostDoubtfulTurn) return;
+  }
   const Registration again = register_points(map_, *points_, by_match.T_map_base, {}, by_match);
   const double again_score = pose_score(map_, *points_, again.T_map_base, judging_stride(*points_));
   const double asked = !steadiness_.jumps() ? kClearlyBetter : caught->sure ? -kHardlyWorse : 0.0;
