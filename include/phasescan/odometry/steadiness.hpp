@@ -20,7 +20,7 @@ class Steadiness {
   }
   /// @param off  where the base is, seen from where the motion before would have taken it
   void add(const Pose2& off) {
-    constexpr double kSlow = 0.9, kMostM = 1.0, kMostRad = 1.0;  // one wild answer is not a habit
+    constexpr double kSlow = 0.9, kMostM = 0.8, kMostRad = 0.8;  // one wild answer is not a habit
     habit_m_ = kSlow * habit_m_ + (1.0 - kSlow) * std::min(kMostM, std::hypot(off.x, off.y));
     habit_rad_ = kSlow * habit_rad_ + (1.0 - kSlow) * std::min(kMostRad, std::abs(off.theta));
   }
