@@ -32,12 +32,19 @@ def cost(rows, _):
     for r in rows:
         t = r["timing"]
         row = [r["log"], options_of(r), t["scans"], number(t["cpu_ms_per_scan"], 3),
-               number(t["tracking_cpu_ms"]["mean"], 3), number(t["tracking_cpu_ms"]["p99"], 2), number(t["step_cpu_ms"]["mean"], 3),
+               *(number(t.get("tracking_cpu_ms", {}).get(k), 3) for k in ("mean", "p99")), number(t["step_cpu_ms"]["mean"], 3),
                number(t["step_cpu_ms"]["p99"], 2), number(t["peak_memory_mib"], 1)]
         if row not in table:
             table.append(row)
     return markdown(["log", "options", "scans", "whole, CPU ms a scan", "tracking, mean [ms]", "tracking, p99 [ms]", "a step with loops, mean [ms]",
                      "with loops, p99 [ms]", "peak MiB"], table, 2)
+
+
+def sparse(rows, _):
+    return markdown(["log", "tracked", "by the full search", "pieces", "ATE RMSE [m]", "median [m]", "largest [m]", "CPU ms a scan"],
+                    [[r["log"], f"{r['summary']['scans_tracked']} of {r['summary']['scans']}", r["summary"]["full_searches_used"],
+                      r["summary"]["map"]["pieces"], *(number(r["error"]["ate_m"][k], 3) for k in ("rmse", "median", "max")),
+                      number(r["timing"]["cpu_ms_per_scan"], 3)] for r in rows], 2)
 
 
 def lowcost(rows, _):
@@ -90,5 +97,5 @@ def retrieval(rows, _):
                      "wrong and verified"], table, 0)
 
 
-KINDS = {"slam-relations": relations, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same, "slam-glass": glass,
+KINDS = {"slam-relations": relations, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same, "slam-glass": glass, "slam-sparse": sparse,
          "slam-retrieval": retrieval, "slam-memory": memory}
