@@ -120,6 +120,7 @@ void GlassEvidence::count_gap(double range_max, const OccupancyGrid& grid) {
     wall_above = wall_above || (m.at.place > candidate_.high && m.at.place < candidate_.high + kFlankM);
   }
   range_max_ = std::max(range_max_, range_max);
+  Witness witness{0.0, 1e300, -1e300};
   std::size_t last = bins_.size(), last_expected = bins_.size();
   for (const Met& m : met_) {
     Bin& bin = bins_[m.bin];
@@ -133,6 +134,9 @@ void GlassEvidence::count_gap(double range_max, const OccupancyGrid& grid) {
     }
     if (!wall_below || !wall_above || m.at.range > kVanishShare * range_max) continue;
     ++bin.vanished_at[shell];
+    witness.place = candidate_.line.place(m.ray->from);
+    witness.low = std::min(witness.low, m.at.place);
+    witness.high = std::max(witness.high, m.at.place);
     if (m.bin != last) ++bin.scans_at[shell];
     last = m.bin;
     const double left = kBehindShare * range_max - m.at.range - kBehindM;
@@ -144,6 +148,7 @@ void GlassEvidence::count_gap(double range_max, const OccupancyGrid& grid) {
       last_expected = m.bin;
     }
   }
+  if (witness.high >= witness.low) witnesses_.push_back(witness);
 }
 
 GlassEvidence::Bin GlassEvidence::pooled(std::size_t i) const {
@@ -222,15 +227,15 @@ GlassPane GlassEvidence::pane(std::size_t from, std::size_t to) const {
   if (candidate_.gap) {
     out.kind = GlassKind::kBlack;
     out.views = static_cast<std::size_t>(scans);
-    first = 0.0, last = kWayM;
   } else {
     out.kind = 4 * out.through < out.vanished ? GlassKind::kBlack : GlassKind::kGlass;
-    for (const Witness& w : witnesses_) {
-      if (w.high < low || w.low > high) continue;
-      ++out.views;
-      first = std::min(first, w.place);
-      last = std::max(last, w.place);
-    }
+  }
+  // From one place a thing in front of the line looks like one on it; seen from elsewhere its shadow moves.
+  for (const Witness& w : witnesses_) {
+    if (w.high < low || w.low > high) continue;
+    out.views += !candidate_.gap;
+    first = std::min(first, w.place);
+    last = std::max(last, w.place);
   }
   const double passed = static_cast<double>(out.through + out.vanished) / std::max(1.0, static_cast<double>(out.hits));
   out.sure = out.views >= static_cast<std::size_t>(options_.min_views) && out.length() >= options_.min_length_m &&

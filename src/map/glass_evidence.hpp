@@ -34,7 +34,7 @@ class GlassEvidence {
   };
   struct Witness {
     double place = 0.0;            // of the sensor along the line
-    double low = 0.0, high = 0.0;  // where it was answered head on
+    double low = 0.0, high = 0.0;  // where it was answered head on, or where beams vanished
   };
   struct Met {
     Meeting at;
