@@ -71,7 +71,9 @@ void feed(LogReader& reader, Slam& slam, InputCheck& check, const SlamFlags& fla
       slam.repeat(entry->scan, mount);
       overlap = run.overlap.empty() ? 0.0F : run.overlap.back();
     }
-    run.cpu_ms.push_back(static_cast<float>(1e3 * (thread_cpu_seconds() - cpu)));
+    const double spent = thread_cpu_seconds() - cpu;
+    run.cpu_ms.push_back(static_cast<float>(1e3 * spent));
+    run.tracking_ms.push_back(static_cast<float>(1e3 * (spent - slam.last_backend_cpu_s())));
     run.wall_ms.push_back(static_cast<float>(1e3 * (wall_seconds() - wall)));
     run.overlap.push_back(overlap);
     progress.step(slam.records().size());
@@ -85,6 +87,7 @@ int run_slam(const SlamFlags& flags) {
   SlamRun run;
   run.log = flags.log;
   run.times = !flags.common.no_times;
+  run.glass_blocks = config.slam.glass.block;
   LogOptions log_options;
   log_options.topic = flags.topic;
   const std::unique_ptr<LogReader> reader = open_log(flags.log, log_options);
@@ -113,9 +116,13 @@ int run_slam(const SlamFlags& flags) {
   if (reader->damage_count() > reader->damages().size())
     run.damages["further damage"] = reader->damage_count() - reader->damages().size();
   write_slam_output(flags.out, slam, run);
-  if (!flags.mcap.empty()) write_slam_mcap(flags.mcap, flags.log, log_options, slam);
+  if (!flags.mcap.empty()) write_slam_mcap(flags.mcap, flags.log, log_options, slam, run.glass_blocks);
   for (const auto& [kind, oddity] : check.oddities()) {
     warn(oddity.first + (oddity.count > 1 ? " (" + std::to_string(oddity.count) + " times: " + kind + ")" : ""));
+  }
+  if (const std::size_t left_out = slam.scans_left_out(); left_out > 0) {
+    warn(flags.log + ": the map is in " + std::to_string(slam.backend().pieces().count) +
+         " pieces that nothing ties; " + std::to_string(left_out) + " scans are not on it");
   }
   const int code = report_damages(*reader, check.damaged() ? kDamagedInput : kDone);
   if (slam.backend().keyframes().empty()) {

@@ -6,6 +6,7 @@
 #include "phasescan/io/log_writer.hpp"
 #include "phasescan/io/mcap_writer.hpp"
 #include "phasescan/map/trinary_map.hpp"
+#include "slam_output.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -21,7 +22,8 @@ void write_map(McapWriter& file, Stamp stamp, const TrinaryMap& map) {
 
 }  // namespace
 
-void write_slam_mcap(const std::string& path, const std::string& log, const LogOptions& options, const Slam& slam) {
+void write_slam_mcap(const std::string& path, const std::string& log, const LogOptions& options, const Slam& slam,
+                     bool glass_blocks) {
   const std::vector<Pose2> trajectory = slam.trajectory();
   const std::vector<Pose2> odometry = slam.odometry_trajectory();
   McapWriter file(path);
@@ -30,7 +32,7 @@ void write_slam_mcap(const std::string& path, const std::string& log, const LogO
   poses.reserve(trajectory.size());
   for (std::size_t i = 0; i < trajectory.size(); ++i) poses.emplace_back(slam.records()[i].stamp, trajectory[i]);
   file.path("/path", start, "map", poses);
-  write_map(file, start, make_trinary(slam.render_map()));
+  write_map(file, start, finished_map(slam, glass_blocks).map);
   LaserNames names;
   const auto reader = open_log(log, options);
   for (std::size_t i = 0; i < trajectory.size(); ++i) {

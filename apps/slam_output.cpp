@@ -46,6 +46,8 @@ Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& 
   const std::size_t untracked = run.usable - std::min(run.usable, run.tracked);
   if (untracked > 0) warnings["scan not matched"] = untracked;
   if (run.new_segments > 0) warnings["tracking begun anew"] = run.new_segments;
+  const std::size_t left_out = slam.scans_left_out();
+  if (left_out > 0) warnings["scan not on the map"] = left_out;
   std::size_t occupied = 0, free = 0;
   for (const CellState s : map.cells) occupied += s == CellState::kOccupied, free += s == CellState::kFree;
   return {{"log", std::filesystem::path(run.log).filename().string()},
@@ -59,6 +61,7 @@ Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& 
           {"keyframes", slam.backend().keyframes().size()},
           {"loops",
            {{"compared", loops.compared},
+            {"places", loops.places},
             {"found", loops.found},
             {"accepted", loops.accepted},
             {"rejected", loops.undone + loops.outvoted},
@@ -83,7 +86,9 @@ Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& 
             {"height", map.height},
             {"resolution_m", map.resolution_m},
             {"occupied_cells", occupied},
-            {"free_cells", free}}},
+            {"free_cells", free},
+            {"pieces", slam.backend().pieces().count},
+            {"scans_left_out", left_out}}},
           {"warnings", warnings}};
 }
 
@@ -107,9 +112,49 @@ Json timing_of(const SlamRun& run) {
   return {{"scans", run.cpu_ms.size()},
           {"cpu_ms_per_scan", rounded(1e3 * run.total_cpu_s / n, 1e4)},
           {"wall_ms_per_scan", rounded(1e3 * run.total_wall_s / n, 1e4)},
+          {"tracking_cpu_ms", percentiles(run.tracking_ms)},
           {"step_cpu_ms", percentiles(run.cpu_ms)},
           {"step_wall_ms", percentiles(run.wall_ms)},
           {"peak_memory_mib", rounded(static_cast<double>(usage.ru_maxrss) / 1024.0, 10.0)}};
+}
+
+Json glass_summary(const std::vector<GlassPane>& panes, bool blocks) {
+  std::size_t sure = 0;
+  double metres = 0.0, possible_metres = 0.0;
+  Json list = Json::array();
+  for (const GlassPane& pane : panes) {
+    sure += pane.sure;
+    (pane.sure ? metres : possible_metres) += pane.length();
+    const auto point = [](const Eigen::Vector2d& p) { return Json::array({rounded(p.x(), 1e3), rounded(p.y(), 1e3)}); };
+    list.push_back({{"kind", pane.kind == GlassKind::kGlass ? "glass" : "black"},
+                    {"sure", pane.sure},
+                    {"from", point(pane.a)},
+                    {"to", point(pane.b)},
+                    {"views", pane.views},
+                    {"hits", pane.hits},
+                    {"through", pane.through},
+                    {"vanished", pane.vanished}});
+  }
+  return {{"count", sure},
+          {"total_m", rounded(metres, 1e2)},
+          {"possible_count", panes.size() - sure},
+          {"possible_m", rounded(possible_metres, 1e2)},
+          {"occupied_in_map", blocks},
+          {"panes", list}};
+}
+
+/// Sure panes in their colour, possible ones half as strong.
+std::vector<MapPaint> paints_of(const TrinaryMap& map, const std::vector<GlassPane>& panes) {
+  std::vector<MapPaint> paints;
+  for (const GlassPane& pane : panes) {
+    std::array<std::uint8_t, 3> rgb{0x56, 0xb4, 0xe9};
+    if (pane.kind == GlassKind::kBlack) rgb = {0xb2, 0x67, 0x9c};
+    if (!pane.sure) {
+      for (std::uint8_t& v : rgb) v = static_cast<std::uint8_t>(128 + v / 2);
+    }
+    paints.push_back({cells_of(map, pane), rgb});
+  }
+  return paints;
 }
 
 std::vector<std::string> warning_lines(const Json& summary, const SlamRun& run) {
@@ -125,6 +170,16 @@ std::vector<std::string> warning_lines(const Json& summary, const SlamRun& run) 
 
 }  // namespace
 
+FinishedMap finished_map(const Slam& slam, bool glass_blocks) {
+  const OccupancyGrid grid = slam.render_map();
+  FinishedMap out{make_trinary(grid), slam.find_glass_panes(grid)};
+  for (const GlassPane& pane : out.panes) {
+    if (!pane.sure || !glass_blocks) continue;
+    for (const std::size_t cell : cells_of(out.map, pane)) out.map.cells[cell] = CellState::kOccupied;
+  }
+  return out;
+}
+
 void write_slam_output(const std::string& folder, const Slam& slam, const SlamRun& run) {
   make_folder(folder);
   const std::string base = folder + "/";
@@ -135,11 +190,12 @@ void write_slam_output(const std::string& folder, const Slam& slam, const SlamRu
   write_file(base + "trajectory.tum", format_tum(stamped));
   stamped = {};
   write_file(base + "graph.g2o", format_g2o(slam.backend().graph()));
-  const TrinaryMap map = make_trinary(slam.render_map());
+  const auto [map, panes] = finished_map(slam, run.glass_blocks);
   write_file(base + "map.pgm", format_pgm(map));
   write_file(base + "map.yaml", format_map_yaml(map, "map.pgm"));
-  write_file(base + "map.png", format_png(map));
-  const Json summary = summary_of(slam, run, trajectory, map);
+  write_file(base + "map.png", format_png(map, paints_of(map, panes)));
+  Json summary = summary_of(slam, run, trajectory, map);
+  summary["glass"] = glass_summary(panes, run.glass_blocks);
   write_file(base + "summary.json", summary.dump(2) + "\n");
 
   SlamReport report;
@@ -148,6 +204,7 @@ void write_slam_output(const std::string& folder, const Slam& slam, const SlamRu
   report.trajectory = trajectory;
   const std::vector<Pose2> odometry = slam.odometry_trajectory();
   report.odometry = odometry;
+  report.glass = panes;
   report.graph = &slam.backend().graph();
   for (const PoseEdge& e : report.graph->edges()) {
     if (e.robust && !e.enabled) report.undone.emplace_back(e.from, e.to);
@@ -159,6 +216,9 @@ void write_slam_output(const std::string& folder, const Slam& slam, const SlamRu
   }
   for (const char* key : {"found", "accepted", "rejected"})
     report.facts.emplace_back(std::string("loops ") + key, summary["loops"][key].dump());
+  report.facts.emplace_back("glass and black surfaces",
+                            fmt::format("{}, {} m; {} more possible", summary["glass"]["count"].dump(),
+                                        summary["glass"]["total_m"].dump(), summary["glass"]["possible_count"].dump()));
   report.facts.emplace_back("odometry", run.odometry_assumed);
   report.warnings = warning_lines(summary, run);
   write_file(base + "report.html", format_slam_report(report));

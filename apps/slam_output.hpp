@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "phasescan/map/glass.hpp"
+#include "phasescan/map/trinary_map.hpp"
 #include "phasescan/slam/input_check.hpp"
 #include "phasescan/slam/slam.hpp"
 
@@ -17,7 +19,9 @@ struct SlamRun {
   bool odometry_used = false;
   bool complete = true;  ///< false: stopped by the user
   bool times = true;
-  std::vector<float> cpu_ms;  ///< tracker's thread, per scan
+  bool glass_blocks = true;        ///< sure glass is occupied in map.pgm
+  std::vector<float> cpu_ms;       ///< tracker's thread, per scan
+  std::vector<float> tracking_ms;  ///< the same without loops and graph
   std::vector<float> wall_ms;
   std::vector<float> overlap;
   std::size_t tracked = 0, searched = 0, caught = 0, new_segments = 0, usable = 0;
@@ -26,6 +30,14 @@ struct SlamRun {
   const InputCheck* check = nullptr;
   LaserMount mount;  ///< of the first laser
 };
+
+/// The map as a robot should read it, and what is glass or black in it.
+struct FinishedMap {
+  TrinaryMap map;
+  std::vector<GlassPane> panes;
+};
+/// @param glass_blocks  sure panes are occupied
+FinishedMap finished_map(const Slam& slam, bool glass_blocks);
 
 /// Writes trajectory.tum, map.pgm, map.yaml, map.png, graph.g2o, report.html, summary.json and, with times,
 /// timing.json: each whole or not at all. @throws SystemError

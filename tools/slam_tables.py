@@ -31,11 +31,20 @@ def cost(rows, _):
     table = []
     for r in rows:
         t = r["timing"]
-        row = [r["log"], options_of(r), t["scans"], number(t["cpu_ms_per_scan"], 3), number(t["step_cpu_ms"]["mean"], 3),
+        row = [r["log"], options_of(r), t["scans"], number(t["cpu_ms_per_scan"], 3),
+               *(number(t.get("tracking_cpu_ms", {}).get(k), 3) for k in ("mean", "p99")), number(t["step_cpu_ms"]["mean"], 3),
                number(t["step_cpu_ms"]["p99"], 2), number(t["peak_memory_mib"], 1)]
         if row not in table:
             table.append(row)
-    return markdown(["log", "options", "scans", "whole, CPU ms a scan", "a step, mean [ms]", "a step, p99 [ms]", "peak MiB"], table, 2)
+    return markdown(["log", "options", "scans", "whole, CPU ms a scan", "tracking, mean [ms]", "tracking, p99 [ms]", "a step with loops, mean [ms]",
+                     "with loops, p99 [ms]", "peak MiB"], table, 2)
+
+
+def sparse(rows, _):
+    return markdown(["log", "tracked", "by the full search", "pieces", "ATE RMSE [m]", "median [m]", "largest [m]", "CPU ms a scan"],
+                    [[r["log"], f"{r['summary']['scans_tracked']} of {r['summary']['scans']}", r["summary"]["full_searches_used"],
+                      r["summary"]["map"]["pieces"], *(number(r["error"]["ate_m"][k], 3) for k in ("rmse", "median", "max")),
+                      number(r["timing"]["cpu_ms_per_scan"], 3)] for r in rows], 2)
 
 
 def lowcost(rows, _):
@@ -56,6 +65,14 @@ def simulated(rows, _):
     table = [[r["world"], f"{r['speed']} m/s, {r['turn_rate']} deg/s", " ".join(number(e, 3) for e in r["ate_rmse_m"]),
               number(max(r["ate_rmse_m"]), 3)] for r in rows]
     return markdown(["world", "at most", "ATE RMSE of ten buildings [m]", "worst [m]"], table, 3)
+
+
+def glass(rows, _):
+    share = lambda part, whole: number(100 * part / whole if whole > 0 else None, 0)
+    return markdown(["sensor", "flats", "glass [m]", "found [%]", "black [m]", "found [%]", "claimed [m]", "of it right [%]", "claimed across open doors [m]"],
+                    [[r["sensor"], "with glass and black" if r["kind"] == "hidden" else "all matt", number(r["glass_m"], 1),
+                      share(r["glass_found_m"], r["glass_m"]), number(r["black_m"], 1), share(r["black_found_m"], r["black_m"]),
+                      number(r["claimed_m"], 1), share(r["right_m"], r["claimed_m"]), number(r["door_m"], 1)] for r in rows], 2)
 
 
 def same(rows, _):
@@ -81,5 +98,5 @@ def retrieval(rows, _):
                      "wrong and verified"], table, 0)
 
 
-KINDS = {"slam-relations": relations, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same,
+KINDS = {"slam-relations": relations, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same, "slam-glass": glass, "slam-sparse": sparse,
          "slam-retrieval": retrieval, "slam-memory": memory}

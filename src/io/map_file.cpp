@@ -4,6 +4,7 @@
 #include <png.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
@@ -127,16 +128,29 @@ std::string format_map_yaml(const TrinaryMap& map, const std::string& image_name
       image_name, map.resolution_m, map.origin.x, map.origin.y, map.origin.theta);
 }
 
-std::string format_png(const TrinaryMap& map) {
+std::string format_png(const TrinaryMap& map, std::span<const MapPaint> paints) {
   const Picture p = picture_of(map);
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   image.width = static_cast<png_uint_32>(p.width);
   image.height = static_cast<png_uint_32>(p.height);
   image.format = PNG_FORMAT_GRAY;
+  std::vector<unsigned char> coloured;
+  if (!paints.empty()) {
+    image.format = PNG_FORMAT_RGB;
+    for (const unsigned char g : p.grey) coloured.insert(coloured.end(), 3, g);
+    const auto width = static_cast<std::size_t>(map.width), height = static_cast<std::size_t>(map.height);
+    for (const MapPaint& paint : paints) {
+      for (const std::size_t cell : paint.cells) {
+        const std::size_t pixel = (height - 1 - cell / width) * width + cell % width;
+        std::copy(paint.rgb.begin(), paint.rgb.end(), coloured.begin() + static_cast<std::ptrdiff_t>(3 * pixel));
+      }
+    }
+  }
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
   std::string out(size, '\0');
-  if (!png_image_write_to_memory(&image, out.data(), &size, 0, p.grey.data(), 0, nullptr)) {
+  if (!png_image_write_to_memory(&image, out.data(), &size, 0, coloured.empty() ? p.grey.data() : coloured.data(), 0,
+                                 nullptr)) {
     throw SystemError("map.png", std::string("cannot be packed: ") + image.message);
   }
   out.resize(size);

@@ -15,7 +15,9 @@ constexpr std::size_t kProbePoints = 64;  // points of the quick look that choos
 constexpr double kStillM = 0.006, kStillRad = 0.003;
 constexpr double kMinUsualShare = 0.75;  // a prediction that explains less than this of what is usual is widened
 constexpr std::size_t kMinPoints = 12;
-constexpr double kLeastTrust = 0.6;  // wheels that agreed less often lately are not heard
+constexpr int kLostAfterJumps = 2;
+constexpr double kAfterGapShare = 0.8;  // a match after a gap that explains less than this of what is usual is chance
+constexpr double kLeastTrust = 0.6;     // wheels that agreed less often lately are not heard
 constexpr double kContradiction =
     11.3;  // squared Mahalanobis distance (99 %) beyond which a step of the wheels is outvoted
 constexpr double kDoubtfulM = 0.15;  // standard deviation since the last keyframe that asks for another
@@ -77,7 +79,12 @@ Pose2 Odometry::predict(const std::optional<Pose2>& wheel_step, double periods, 
 }
 
 PosePrior Odometry::make_prior(const Pose2& mean, Eigen::Matrix3d covariance, double periods) const {
-  covariance.diagonal() += Eigen::Vector3d(kChangeM * kChangeM, kChangeM * kChangeM, kChangeRad * kChangeRad);
+  double change_m = kChangeM, change_rad = kChangeRad;
+  if (steadiness_.jumps()) {
+    change_m = std::max(change_m, steadiness_.change_m());
+    change_rad = std::max(change_rad, steadiness_.change_rad());
+  }
+  covariance.diagonal() += Eigen::Vector3d(change_m * change_m, change_m * change_m, change_rad * change_rad);
   covariance *= periods * periods;
   PosePrior prior;
   prior.T_map_base = map_.T_world_map().inverse() * T_odom_mid_ * mean;
@@ -120,6 +127,7 @@ Eigen::Matrix3d Odometry::grow_information(const Eigen::Matrix3d& matched, const
 OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& wheel) {
   OdometryStep step;
   const ScanTiming timing = clock_.add(scan);
+  steadiness_.set_period(timing.period_s);
   std::optional<Pose2> wheel_step = options_.use_wheels ? wheels_.step(wheel) : std::nullopt;
   const double seconds = timing.period_s > 0.0 ? timing.period_s * timing.periods : 0.0;
   Twist2 twist = twist_;
@@ -182,6 +190,11 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   step.overlap = found.overlap;
   step.residual_m = found.residual_m;
   step.tracked = found.overlap >= options_.min_overlap;
+  if (timing.gap && pose_score(map_, *points_, found.T_map_base) < kAfterGapShare * usual_final_) {
+    // The robot may have been carried anywhere meanwhile; rooms look alike enough for a match to be found in any.
+    step.tracked = false;
+    untracked_ = options_.lost_after_scans;
+  }
   Pose2 moved = predicted;
   if (step.tracked) {
     moved = (T_map_odom * T_odom_mid_).inverse() * found.T_map_base;
@@ -194,6 +207,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step_covariance_ = known.inverse() / (timing.periods * timing.periods);
     step.information = grow_information(seen, known, moved);
     untracked_ = 0;
+    steadiness_.add(scaled(step_, timing.periods).inverse() * moved);
     usual_score_ = kSlow * usual_score_ + (1.0 - kSlow) * std::max(score, 0.0);
     step_ = scaled(moved, 1.0 / timing.periods);
     habits_.learn(step_, sees_both_ways(seen));
@@ -227,10 +241,14 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   if (step.tracked) net_.remember(scan, mount, step.T_odom_stamp, twist_);
 
   const bool enough = points_->with_normal >= kMinPoints;
-  if (!step.tracked && enough && untracked_ >= options_.lost_after_scans) {
+  // Where scans jump, the next ones share less and less with the map that lost this one.
+  const int lost_after =
+      steadiness_.jumps() ? std::min(kLostAfterJumps, options_.lost_after_scans) : options_.lost_after_scans;
+  if (!step.tracked && enough && untracked_ >= lost_after) {
     step.new_segment = true;
     window_.clear();
     insert_keyframe(step);
+    net_.remember(scan, mount, step.T_odom_stamp, twist_);
     untracked_ = 0;
   } else if (step.tracked && enough) {
     const Pose2 since = window_.back().T_odom_base.inverse() * T_odom_mid_;

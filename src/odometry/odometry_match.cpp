@@ -12,7 +12,10 @@ namespace {
 constexpr std::size_t kFinalPoints = 150;  // points that judge a finished match
 constexpr double kMinFinalShare = 0.85;    // a match that explains less than this of what is usual is doubted
 constexpr double kFallShare = 0.7;         // one that explains less than this even after a look around asks for help
-constexpr double kClearlyBetter = 0.04;    // by so much of its score another pose must be better to be taken instead
+constexpr double kDoubtfulOverlap = 0.6;   // what a search in doubt must explain of the scan to be believed
+constexpr double kMostDoubtfulTurn = 1.2;  // [rad] that a search in doubt may be off the motion before
+constexpr double kHardlyWorse = 0.05;    // where scans jump, the full search is believed if it explains so little less
+constexpr double kClearlyBetter = 0.04;  // by so much of its score another pose must be better to be taken instead
 
 std::size_t judging_stride(const MapPoints& points) {
   return std::max<std::size_t>(1, points.size() / kFinalPoints);
@@ -25,7 +28,8 @@ Registration Odometry::match(const Scan& scan, const LaserMount& mount, const Po
   Registration found = register_points(map_, *points_, guess, {}, prior);
   assume_habit(prior.T_map_base.theta - (map_.T_world_map().inverse() * T_odom_mid_).theta, periods, prior, found);
   double score = pose_score(map_, *points_, found.T_map_base, judging_stride(*points_));
-  if (found.overlap < options_.min_overlap || score < kMinFinalShare * usual_final_) {
+  if (steadiness_.jumps()) catch_fall(scan, mount, T_stamp_mid, prior, found, score, step);
+  if (!step.caught && (found.overlap < options_.min_overlap || score < kMinFinalShare * usual_final_)) {
     step.searched = true;
     look_around(prior, found, score);
     if (found.overlap < options_.min_overlap || score < kFallShare * usual_final_)
@@ -65,17 +69,25 @@ void Odometry::look_around(const PosePrior& prior, Registration& found, double& 
 
 void Odometry::catch_fall(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, PosePrior& prior,
                           Registration& found, double& score, OdometryStep& step) {
-  const std::optional<SafetyNet::Catch> caught = net_.find(scan, mount);
+  const std::optional<SafetyNet::Catch> caught = net_.find(scan, mount, steadiness_.jumps());
   if (!caught) return;
   // The match knows more of the pose now than the motion model does.
   PosePrior by_match;
   by_match.T_map_base = map_.T_world_map().inverse() * (caught->T_odom_base * T_stamp_mid);
   const double heading = by_match.T_map_base.theta - T_stamp_mid.theta;
-  by_match.information = rotate_information(caught->covariance.inverse() / kMatchTrust, heading);
+  // A match in doubt is a place to begin at, no more.
+  by_match.information =
+      caught->sure ? rotate_information(caught->covariance.inverse() / kMatchTrust, heading) : prior.information;
   if (!by_match.information.allFinite()) return;
+  if (!caught->sure) {
+    // One in doubt may be the twin of the right one.
+    if (angle_distance(prior.T_map_base.theta, by_match.T_map_base.theta) > kMostDoubtfulTurn) return;
+  }
   const Registration again = register_points(map_, *points_, by_match.T_map_base, {}, by_match);
   const double again_score = pose_score(map_, *points_, again.T_map_base, judging_stride(*points_));
-  if (again_score < score + kClearlyBetter && !(found.overlap < options_.min_overlap && again_score >= score)) return;
+  const double asked = !steadiness_.jumps() ? kClearlyBetter : caught->sure ? -kHardlyWorse : 0.0;
+  if (!caught->sure && again.overlap < kDoubtfulOverlap) return;
+  if (again_score < score + asked && !(found.overlap < options_.min_overlap && again_score >= score)) return;
   found = again;
   score = again_score;
   prior = by_match;

@@ -12,15 +12,13 @@
 namespace phasescan {
 namespace {
 
-// The noise of the normals adds `leak` on average; what a match claims beyond that along a bare wall is chance, and
-// only what stands well clear of it is a surface that was seen.
-constexpr double kLeakTimes = 3.0;
 // A direction that is seen so much less than the other (of the variances) rests on few surfaces. They must be some
 // pieces, of a cell each, and more than a passer-by has where they contradict what is known of the motion.
 constexpr double kLopsided = 0.35;
 constexpr float kLeastPieces = 3.0F, kPiecesOfPeople = 7.0F, kMostPieces = 12.0F;
 constexpr float kShowing = 0.1F, kFits = 4.0F;  // squares: of a cosine that shows something; of standard deviations
-// The noise of the normals adds `leak` on average; what is not well clear of it is chance.
+// The noise of the normals adds `leak` on average; what a match claims beyond that along a bare wall is chance, and
+// only what stands well clear of it is a surface that was seen.
 constexpr double kClearOfLeak = 3.0;
 constexpr double kContradiction = 9.0, kDifferent = 1.0;  // squared Mahalanobis distances
 

@@ -3,6 +3,11 @@
 #include "phasescan/odometry/information.hpp"
 
 namespace phasescan {
+namespace {
+
+constexpr double kLeastOverlap = 0.3;  // a match that explains less is no guess
+
+}  // namespace
 
 void SafetyNet::remember(const Scan& scan, const LaserMount& mount, const Pose2& T_odom_stamp, const Twist2& twist) {
   scan_ = scan;
@@ -11,17 +16,17 @@ void SafetyNet::remember(const Scan& scan, const LaserMount& mount, const Pose2&
   twist_ = twist;
 }
 
-std::optional<SafetyNet::Catch> SafetyNet::find(const Scan& scan, const LaserMount& mount) {
+std::optional<SafetyNet::Catch> SafetyNet::find(const Scan& scan, const LaserMount& mount, bool doubtful) {
   // Two lasers of which one is upside down see mirrored worlds.
   if (!scan_ || mount.flipped != mount_.flipped) return std::nullopt;
   MatchHints hints;
   hints.reference_twist = mount_.laser_twist(twist_);
   const MatchResult match = matcher_.match(*scan_, scan, hints);
-  if (!match.usable) return std::nullopt;
+  if (!match.usable && !(doubtful && match.overlap > kLeastOverlap)) return std::nullopt;
   Pose2 T_ref_scan = match.T_ref_scan;
   if (mount.flipped) T_ref_scan = {T_ref_scan.x, -T_ref_scan.y, -T_ref_scan.theta};
   return Catch{T_odom_stamp_ * mount_.T_base_laser * T_ref_scan * mount.T_base_laser.inverse(),
-               rotate_information(match.covariance, mount_.T_base_laser.theta)};
+               rotate_information(match.covariance, mount_.T_base_laser.theta), match.usable};
 }
 
 }  // namespace phasescan

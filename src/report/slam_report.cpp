@@ -43,6 +43,14 @@ class MapPicture {
         py(a.y), px(b.x), py(b.y), color);
   }
 
+  void pane(const GlassPane& pane) {
+    body_ += fmt::format(
+        "<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"{}\" stroke-width=\"4\" stroke-opacity=\"{}\"{}/>",
+        px(pane.a.x()), py(pane.a.y()), px(pane.b.x()), py(pane.b.y()),
+        pane.kind == GlassKind::kGlass ? palette::kSky : palette::kPurple, pane.sure ? "1" : "0.7",
+        pane.sure ? "" : " stroke-dasharray=\"4 3\"");
+  }
+
   std::string str() const { return body_ + "</svg>"; }
 
  private:
@@ -109,6 +117,26 @@ std::string correction_chart(const SlamReport& report) {
   return chart.svg(900, 260);
 }
 
+/// What the colours of panes mean, and how many there are of each.
+std::string glass_legend(std::span<const GlassPane> panes) {
+  std::string text;
+  for (const GlassKind kind : {GlassKind::kGlass, GlassKind::kBlack}) {
+    int sure = 0, possible = 0;
+    double metres = 0.0;
+    for (const GlassPane& pane : panes) {
+      if (pane.kind != kind) continue;
+      ++(pane.sure ? sure : possible);
+      if (pane.sure) metres += pane.length();
+    }
+    if (sure + possible == 0) continue;
+    text +=
+        fmt::format("{}{}: {} ({:.1f} m)", text.empty() ? "" : " ",
+                    kind == GlassKind::kGlass ? "Light blue, glass" : "Purple, black or glossy surfaces", sure, metres);
+    text += possible > 0 ? fmt::format(", dashed: {} more that are only possible.", possible) : ".";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string base64(std::string_view bytes) {
@@ -133,8 +161,11 @@ std::string format_slam_report(const SlamReport& report) {
   html.heading("Map");
   if (report.map) {
     MapPicture picture(*report.map);
+    for (const GlassPane& pane : report.glass) picture.pane(pane);
     picture.way(report.trajectory, palette::kBlue, 1.5);
-    html.figure(picture.str(), "White: free, black: occupied, grey: unknown. Blue: the way of the robot.");
+    std::string caption = "White: free, black: occupied, grey: unknown. Blue: the way of the robot.";
+    if (!report.glass.empty()) caption += " " + glass_legend(report.glass);
+    html.figure(picture.str(), caption);
   }
   Table facts;
   facts.header = {"what", "value"};

@@ -51,6 +51,8 @@ void Backend::hand_in(int node, const Pose2& T_node_keyframe, const Pose2& T_odo
 }
 
 void Backend::add_keyframe(Keyframe keyframe) {
+  if (keyframes_.empty() || keyframe.new_segment) piece_.push_back(static_cast<int>(piece_.size()));
+  segment_.push_back(static_cast<int>(piece_.size()) - 1);
   if (keyframes_.empty()) {
     graph_.add_node(keyframe.T_odom_base);
     way_m_.push_back(0.0);

@@ -19,8 +19,9 @@ constexpr std::size_t kCachedMaps = 4;
 constexpr double kCorridor = 0.02;  // ratio of information below which a direction counts as unseen
 constexpr double kSlideStepM = 0.1;
 constexpr int kSlideSteps = 10;
-constexpr double kOutOfReachM = 1.0;  // loops farther off than this do not draw the graph by themselves
-constexpr double kSlideGain = 0.01;   // of the score, for a slide to be worth it
+constexpr double kOutOfReachM = 1.0;    // loops farther off than this do not draw the graph by themselves
+constexpr double kUntiedOverlap = 0.2;  // more of it than of others is asked of a loop between pieces
+constexpr double kSlideGain = 0.01;     // of the score, for a slide to be worth it
 
 /// Whether a match holds the pose in every direction to a decimetre: in a bare corridor it does not.
 bool holds_both_ways(const Eigen::Matrix3d& information) {
@@ -63,7 +64,7 @@ std::vector<int> Backend::nearby_visits(int node, int max_other) const {
   std::vector<Visit> visits;
   int last = -1000;
   for (int k = 0; k <= max_other; ++k) {
-    if (std::abs(k - node) < options_.loops.min_nodes_apart) continue;
+    if (std::abs(k - node) < options_.loops.min_nodes_apart && piece_of(k) == piece_of(node)) continue;
     const Pose2& there = poses[static_cast<std::size_t>(k)];
     const double distance = translation_distance(here, there);
     if (distance > radius) continue;
@@ -143,7 +144,8 @@ std::optional<Loop> Backend::compare(int other, int node, const Pose2& T_world_n
 
 void Backend::find_loops(int node) {
   const double uncertainty_m = std::min(3.0, kDriftPerMetre * since_loop_m_);
-  for (const int anchor : nearby_visits(node, node - options_.loops.min_nodes_apart)) {
+  const bool untied = piece_of(node) != piece_of(0) || piece_.size() > 1;
+  for (const int anchor : nearby_visits(node, untied ? node - 1 : node - options_.loops.min_nodes_apart)) {
     const std::optional<Loop> loop =
         compare(anchor, node, graph_.poses()[static_cast<std::size_t>(node)], uncertainty_m);
     if (loop) believe(*loop);
@@ -151,8 +153,24 @@ void Backend::find_loops(int node) {
   if (options_.loops.places) find_places(node);
 }
 
+int Backend::piece_of(int node) const {
+  int piece = segment_[static_cast<std::size_t>(node)];
+  while (piece_[static_cast<std::size_t>(piece)] != piece) piece = piece_[static_cast<std::size_t>(piece)];
+  return piece;
+}
+
+std::vector<Loop> Backend::judged(LoopJudge& judge, const Loop& loop) {
+  const int a = piece_of(loop.from), b = piece_of(loop.to);
+  if (a == b) return judge.add(loop, graph_.poses());
+  // Where a piece stands that nothing ties is a guess: a loop that agrees with it is worth no more than another.
+  if (loop.overlap < std::min(0.9, options_.loops.min_overlap + kUntiedOverlap)) return {};
+  std::vector<Loop> believed = judge.add(loop, graph_.poses(), -options_.loops.small_error_m);
+  if (!believed.empty()) piece_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  return believed;
+}
+
 void Backend::believe(const Loop& loop) {
-  for (const Loop& l : judge_.add(loop, graph_.poses())) {
+  for (const Loop& l : judged(judge_, loop)) {
     const Pose2 error = graph_.poses()[static_cast<std::size_t>(l.to)].inverse() *
                         (graph_.poses()[static_cast<std::size_t>(l.from)] * l.T_from_to);
     const bool large = std::hypot(error.x, error.y) > options_.loops.small_error_m;
@@ -202,7 +220,7 @@ void Backend::rematch_all() {
   for (int node = 0; node < n; ++node) {
     for (const int anchor : nearby_visits(node, n - 1)) {
       if (const std::optional<Loop> loop = compare(anchor, node, graph_.poses()[static_cast<std::size_t>(node)], 0.0)) {
-        for (const Loop& believed : judge.add(*loop, graph_.poses())) loops.push_back(believed);
+        for (const Loop& believed : judged(judge, *loop)) loops.push_back(believed);
       }
     }
   }

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kReorderedS = 1.0;  // stamps that go back by less are loggers' disorder, by more a broken clock
 constexpr double kGapS = 10.0;
+constexpr double kFewShare = 0.2;  // of the beams that have a range
 constexpr double kLeapM = 2.0, kLeapRad = 2.0, kFastestMps = 3.0,
                  kTurnPauseS = 1.0;  // what a robot may do between two scans
 
@@ -57,13 +58,23 @@ bool InputCheck::add(const Scan& scan, const std::string& laser, const std::opti
     if (step < 0.0 && step >= -kReorderedS)
       note("stamps out of order", false,
            where + ": stamps out of order by " + seconds(last.stamp, scan.stamp) + "; the order of the file is kept");
+    if (step == 0.0 && !repeated)
+      note("same stamp", false,
+           where + ": another scan with the stamp of the one before; nothing is read from their times");
     if (step > kGapS) note("gap", false, where + ": no scan for " + seconds(last.stamp, scan.stamp));
     if (scan.size() != last.beams)
       note("beam count changes", false,
            where + ": " + std::to_string(scan.size()) + " beams after " + std::to_string(last.beams));
     last = {scan.stamp, scan.size(), fingerprint};
   }
-  if (scan.hit_count() == 0) note("scan without a return", false, where + ": not one beam has a range");
+  const std::size_t hits = scan.hit_count();
+  if (hits == 0) {
+    note("scan without a return", false, where + ": not one beam has a range");
+  } else if (static_cast<double>(hits) < kFewShare * static_cast<double>(scan.size())) {
+    note("few returns", false,
+         where + ": only " + std::to_string(hits) + " of " + std::to_string(scan.size()) +
+             " beams have a range; what is made of such scans is less certain");
+  }
   if (odometry && odometry_) {
     const Pose2 step = odometry_->inverse() * *odometry;
     const double pause_s = std::max(0.0, stamp_to_seconds(scan.stamp - odometry_stamp_));

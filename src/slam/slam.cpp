@@ -30,6 +30,7 @@ Slam::~Slam() {
 }
 
 OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& odometry) {
+  backend_cpu_s_ = 0.0;
   const OdometryStep step = odometry_.add(scan, mount, odometry);
   if (step.T_odom_first && !batch_.empty()) {
     Keyframe& first = batch_.front();
@@ -74,12 +75,14 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
 }
 
 void Slam::repeat(const Scan& scan, const LaserMount& mount) {
+  backend_cpu_s_ = 0.0;
   records_.push_back(records_.empty() ? ScanRecord{} : records_.back());
   records_.back().stamp = scan.stamp;
   if (options_.slam.polish && !options_.slam.bounded_memory) store_.add(scan, mount);
 }
 
 void Slam::hand_over() {
+  const double before = thread_cpu_seconds();
   worker_->wait();
   std::vector<Keyframe> batch;
   batch.swap(batch_);
@@ -89,6 +92,7 @@ void Slam::hand_over() {
   } else {
     backend_->add_batch(std::move(batch));
   }
+  backend_cpu_s_ = thread_cpu_seconds() - before;
 }
 
 void Slam::finish() {
@@ -112,20 +116,57 @@ std::optional<Pose2> Slam::pose_on_map(std::size_t scan) const {
          Pose2{static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.theta)};
 }
 
+PlacedScan Slam::placed_keyframe(std::size_t i) const {
+  const bool polished = !records_.empty() && polished_.size() == records_.size();
+  const Keyframe& keyframe = backend_->keyframes()[i];
+  const LaserMount& mount = keyframe.mount;
+  const Pose2 T_map_stamp =
+      polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend_->poses()[i] * keyframe.T_mid_stamp;
+  PlacedScan placed;
+  placed.scan = keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored);
+  placed.T_map_laser = T_map_stamp * mount.T_base_laser;
+  placed.flipped = mount.flipped;
+  placed.twist = options_.odometry.deskew ? mount.laser_twist(keyframe.twist) : Twist2{};
+  if (mount.flipped) placed.twist = {placed.twist.vx, -placed.twist.vy, -placed.twist.omega};
+  return placed;
+}
+
+std::vector<std::size_t> Slam::drawn_keyframes() const {
+  std::vector<std::size_t> drawn;
+  const MapPieces pieces = backend_->pieces();
+  for (std::size_t i = 0; i < pieces.of_node.size(); ++i) {
+    if (!options_.slam.largest_piece || pieces.in_largest(i)) drawn.push_back(i);
+  }
+  return drawn;
+}
+
+std::size_t Slam::scans_left_out() const {
+  if (!options_.slam.largest_piece) return 0;
+  const MapPieces pieces = backend_->pieces();
+  std::size_t count = 0;
+  for (const ScanRecord& r : records_) {
+    const auto k = static_cast<std::size_t>(r.keyframe);
+    if (r.keyframe < 0 || k >= backend_->handed_in()) continue;
+    count += !pieces.in_largest(static_cast<std::size_t>(backend_->node_of(k)));
+  }
+  return count;
+}
+
 OccupancyGrid Slam::render_map() const {
   OccupancyGrid grid(options_.map);
-  const bool polished = !records_.empty() && polished_.size() == records_.size();
-  for (std::size_t i = 0; i < backend_->keyframes().size(); ++i) {
-    const Keyframe& keyframe = backend_->keyframes()[i];
-    const LaserMount& mount = keyframe.mount;
-    const Pose2 T_map_stamp =
-        polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend_->poses()[i] * keyframe.T_mid_stamp;
-    Twist2 twist = options_.odometry.deskew ? mount.laser_twist(keyframe.twist) : Twist2{};
-    if (mount.flipped) twist = {twist.vx, -twist.vy, -twist.omega};
-    grid.add_scan(keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored),
-                  T_map_stamp * mount.T_base_laser, mount.flipped, twist);
+  for (const std::size_t i : drawn_keyframes()) {
+    const PlacedScan placed = placed_keyframe(i);
+    grid.add_scan(placed.scan, placed.T_map_laser, placed.flipped, placed.twist);
   }
   return grid;
+}
+
+std::vector<GlassPane> Slam::find_glass_panes(const OccupancyGrid& grid) const {
+  if (!options_.glass.enabled) return {};
+  const std::vector<std::size_t> drawn = drawn_keyframes();
+  std::vector<GlassPane> panes = find_glass(
+      drawn.size(), [&](std::size_t i) { return placed_keyframe(drawn[i]); }, grid, options_.glass);
+  return cut_where_driven(std::move(panes), trajectory(), options_.glass.keep_open_m, options_.glass.min_length_m);
 }
 
 std::vector<Pose2> Slam::odometry_trajectory() const {

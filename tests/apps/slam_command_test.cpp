@@ -49,7 +49,11 @@ TEST(SlamCommand, AWholeRunLeavesEveryFileAndAnAccurateTrajectory) {
   EXPECT_EQ(summary["scans"], log.scans);
   EXPECT_TRUE(summary["complete"]);
   EXPECT_TRUE(summary["warnings"].empty());
-  EXPECT_GT(json::parse(slurp(folder / "out/timing.json"))["peak_memory_mib"], 1.0);
+  EXPECT_TRUE(summary["loops"].contains("places"));
+  const json timing = json::parse(slurp(folder / "out/timing.json"));
+  EXPECT_GT(timing["peak_memory_mib"], 1.0);
+  EXPECT_GT(timing["tracking_cpu_ms"]["mean"], 0.0);
+  EXPECT_LT(timing["tracking_cpu_ms"]["mean"], timing["step_cpu_ms"]["mean"]);  // one thread: loops fall between scans
   folder.put("truth.tum", log.truth);
   const auto eval = run_command(
       {"eval", "--trajectory", folder / "out/trajectory.tum", "--reference", folder / "truth.tum", "--json"});

@@ -1,7 +1,12 @@
 /// Maps as files: map_server's pgm + yaml, and PNG to look at.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "phasescan/map/trinary_map.hpp"
 
@@ -11,8 +16,13 @@ namespace phasescan {
 std::string format_pgm(const TrinaryMap& map);
 /// The yaml beside it: image, resolution, origin, negate 0, occupied_thresh 0.65, free_thresh 0.196, mode trinary.
 std::string format_map_yaml(const TrinaryMap& map, const std::string& image_name);
-/// The same picture as an 8-bit grey PNG.
-std::string format_png(const TrinaryMap& map);
+/// Cells that a picture of a map shows in a colour of their own.
+struct MapPaint {
+  std::vector<std::size_t> cells;  ///< indices into TrinaryMap::cells
+  std::array<std::uint8_t, 3> rgb{};
+};
+/// The same picture as an 8-bit PNG: grey, or RGB where something is painted on it.
+std::string format_png(const TrinaryMap& map, std::span<const MapPaint> paints = {});
 
 /// Reads a yaml of map_server and its image (pgm, P5 or P2, or grey PNG), trinary mode.
 ///

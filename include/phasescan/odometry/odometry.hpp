@@ -15,6 +15,7 @@
 #include "phasescan/odometry/registration.hpp"
 #include "phasescan/odometry/safety_net.hpp"
 #include "phasescan/odometry/scan_clock.hpp"
+#include "phasescan/odometry/steadiness.hpp"
 #include "phasescan/odometry/wheel_witness.hpp"
 #include "phasescan/scan/scan.hpp"
 #include "phasescan/scan/surface.hpp"
@@ -97,7 +98,8 @@ class Odometry {
   };
   std::optional<First> first_;  // until the second scan has come
   Pose2 T_odom_mid_;            // of the last scan
-  Pose2 step_;                  // motion per period, base frame, as last found
+  Steadiness steadiness_;
+  Pose2 step_;  // motion per period, base frame, as last found
   Eigen::Matrix3d step_covariance_ = Eigen::Vector3d(0.0025, 0.0025, 0.01).asDiagonal();
   Eigen::Matrix3d since_keyframe_ = Eigen::Matrix3d::Zero();  // covariance of the pose relative to the last keyframe
   Twist2 twist_;

@@ -8,6 +8,7 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/graph/pose_graph.hpp"
+#include "phasescan/map/glass.hpp"
 #include "phasescan/map/trinary_map.hpp"
 
 namespace phasescan {
@@ -18,6 +19,7 @@ struct SlamReport {
   const TrinaryMap* map = nullptr;
   std::span<const Pose2> trajectory;                       ///< with loops
   std::span<const Pose2> odometry;                         ///< laser odometry alone, same length
+  std::span<const GlassPane> glass;                        ///< drawn over the map
   const PoseGraph* graph = nullptr;                        ///< its robust edges are the loops
   std::vector<std::pair<int, int>> undone;                 ///< keyframes of loops that were taken out again
   std::span<const float> overlap;                          ///< per scan, 0..1

@@ -12,6 +12,7 @@
 #include "phasescan/odometry/local_map.hpp"
 #include "phasescan/slam/keyframe.hpp"
 #include "phasescan/slam/loop.hpp"
+#include "phasescan/slam/map_pieces.hpp"
 #include "phasescan/slam/options.hpp"
 #include "phasescan/slam/place_search.hpp"
 
@@ -53,6 +54,10 @@ class Backend {
   const std::vector<Pose2>& poses() const { return graph_.poses(); }
   const PoseGraph& graph() const { return graph_; }
   LoopCounts loop_counts() const;
+  /// What of the graph hangs together.
+  MapPieces pieces() const { return find_pieces(keyframes_, graph_); }
+  /// The node that a keyframe which was handed in stands at.
+  int node_of(std::size_t handed_in) const { return handed_[handed_in].node; }
 
   /// Builds the map of the surroundings of a pose from up to `max_keyframes` keyframes that look at the same place.
   void build_surroundings(int node, std::size_t max_keyframes, LocalMap& map) const;
@@ -90,6 +95,9 @@ class Backend {
   void find_loops(int node);
   void find_places(int node);
   void believe(const Loop& loop);
+  /// The loops that a new one makes believable. Between pieces that nothing ties yet it takes more.
+  std::vector<Loop> judged(LoopJudge& judge, const Loop& loop);
+  int piece_of(int node) const;
   std::optional<Loop> compare(int from, int to, const Pose2& T_world_to, double uncertainty_m);
   std::vector<int> nearby_visits(int node, int max_other_end) const;
   void add_loop_edge(const Loop& loop);
@@ -116,6 +124,9 @@ class Backend {
   std::vector<Handed> handed_;
   Pose2 T_odom_last_;  // of the keyframe handed in last
   std::vector<Keyframe> keyframes_;
+  // Breaks of tracking cut the way into segments; loops tie segments to pieces.
+  std::vector<int> segment_;  // of each node
+  std::vector<int> piece_;    // of each segment: another one that it hangs together with, or itself
   LoopJudge judge_;
   PlaceSearch places_;
   double way_of_place_m_ = 0.0;  // way_m_ where a place looked as the map has it

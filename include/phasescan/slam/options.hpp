@@ -1,6 +1,7 @@
 #pragma once
 
 #include "phasescan/core/options.hpp"
+#include "phasescan/map/glass.hpp"
 #include "phasescan/map/occupancy_grid.hpp"
 #include "phasescan/odometry/options.hpp"
 
@@ -57,6 +58,7 @@ struct SlamGeneralOptions {
   int batch_nodes = 10;
   bool polish = true;
   bool bounded_memory = false;
+  bool largest_piece = true;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -65,6 +67,9 @@ struct SlamGeneralOptions {
     v("polish", self.polish, OptionInfo{"", "match every scan once more against the finished map"});
     v("bounded_memory", self.bounded_memory,
       OptionInfo{"", "forget scans and redundant keyframes: memory grows with the area, not with time"});
+    v("largest_piece", self.largest_piece,
+      OptionInfo{
+          "", "where tracking broke and no loop ties the pieces, draw the largest alone: where others lie is a guess"});
   }
 };
 
@@ -74,6 +79,7 @@ struct SlamOptions {
   OdometryOptions odometry;
   LoopOptions loops;
   OccupancyOptions map;
+  GlassOptions glass;
 
   template <class Self, class Visitor>
   static void visit_sections(Self& self, Visitor&& v) {
@@ -81,6 +87,7 @@ struct SlamOptions {
     v("odometry", self.odometry);
     v("loops", self.loops);
     v("map", self.map);
+    v("glass", self.glass);
   }
   /// @throws std::invalid_argument naming section, field and bounds.
   void validate() const {

@@ -9,6 +9,7 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/core/time.hpp"
+#include "phasescan/map/glass.hpp"
 #include "phasescan/map/occupancy_grid.hpp"
 #include "phasescan/odometry/odometry.hpp"
 #include "phasescan/slam/backend.hpp"
@@ -47,10 +48,18 @@ class Slam {
   /// The pose of one scan as the map has it now; empty while its keyframe waits to be handed to the backend. Before
   /// finish() only with one thread.
   std::optional<Pose2> pose_on_map(std::size_t scan) const;
-  /// The map that the keyframes' scans draw from their poses as they stand.
+  /// Keyframes that the map is drawn from: all, or those of the largest piece (slam.largest_piece).
+  std::vector<std::size_t> drawn_keyframes() const;
+  /// Scans that stand in no part of the map, since nothing ties their piece to it.
+  std::size_t scans_left_out() const;
+  /// The map that these keyframes' scans draw from their poses as they stand.
   OccupancyGrid render_map() const;
+  /// Glass and black surfaces that the same scans show, none where the robot drove. @param grid  the rendered map
+  std::vector<GlassPane> find_glass_panes(const OccupancyGrid& grid) const;
   /// The trajectory as laser odometry alone saw it.
   std::vector<Pose2> odometry_trajectory() const;
+  /// CPU time of this thread that the last add() spent on loops and graph [s]; the rest of it was tracking.
+  double last_backend_cpu_s() const { return backend_cpu_s_; }
   const std::vector<ScanRecord>& records() const { return records_; }
   const Backend& backend() const { return *backend_; }
   const Odometry& odometry() const { return odometry_; }
@@ -60,6 +69,7 @@ class Slam {
  private:
   struct Worker;
   void hand_over();
+  PlacedScan placed_keyframe(std::size_t i) const;
   std::vector<Pose2> anchored(const std::vector<Pose2>& keyframe_poses) const;
 
   SlamOptions options_;
@@ -74,6 +84,7 @@ class Slam {
   Pose2 T_odom_keyframe_;
   std::int32_t keyframes_ = 0;
   std::vector<std::int32_t> breaks_;  // keyframes at which a new local map was begun
+  double backend_cpu_s_ = 0.0;
 };
 
 }  // namespace phasescan
