@@ -37,7 +37,7 @@ struct PointToLineResult {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   int iterations = 0;
   bool converged = false;
-  int partners = 0;  ///< hits of the scan that found a partner in the last step
+  int partners = 0;        ///< hits of the scan that found a partner in the last step
   double mean_cost = 0.0;  ///< mean of weight * residual^2 over the partners of the last step, both ways
 };
 
