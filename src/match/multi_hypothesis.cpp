@@ -3,9 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
+#include "match/hypothesis_list.hpp"
 #include "match/stage_clock.hpp"
 
 namespace phasescan {
@@ -23,12 +23,7 @@ constexpr double kDoubtfulProfile = 0.1;                  // below it all hits a
 // Lengths as shares of the scale (about 6 m for an RPLidar A1), from the coarse cell down.
 constexpr double kQuickGateStart = 0.075, kMiddleGateStart = 0.05, kFineGateStart = 0.033, kGateEnd = 0.02;
 constexpr double kQuickSlack = 0.01, kFineSlack = 0.0015;
-constexpr double kTieMargin = 0.03, kSlidingTieMargin = 0.12, kFlatProfile = 0.01, kTwinTurn_rad = 0.25 * kPi;
-constexpr double kDistinct = 0.02, kDistinctLeast_m = 0.05, kDistinctTurn_deg = 4.0;
-
-bool same_pose(const Pose2& a, const Pose2& b, double metres, double radians) {
-  return translation_distance(a, b) < metres && angle_distance(a.theta, b.theta) < radians;
-}
+constexpr double kTieMargin = 0.03, kSlidingTieMargin = 0.12, kFlatProfile = 0.01;
 
 // The pose at a peak of the window around `centre`.
 Pose2 shifted(const Pose2& centre, const ScoreTable& table, const CorrelationPeak& peak) {
@@ -38,22 +33,6 @@ Pose2 shifted(const Pose2& centre, const ScoreTable& table, const CorrelationPea
 
 Pose2 slid(const Pose2& pose, const Eigen::Vector2d& by) {
   return {pose.x + by.x(), pose.y + by.y(), pose.theta};
-}
-
-// Whether both poses are one answer in a place of that scale.
-bool same_answer(const Pose2& a, const Pose2& b, double scale_m) {
-  return same_pose(a, b, std::max(kDistinct * scale_m, kDistinctLeast_m), deg_to_rad(kDistinctTurn_deg));
-}
-
-// Total orders, so that equals come out alike whatever the sort.
-bool precedes(const Pose2& a, const Pose2& b) {
-  return std::tie(a.theta, a.x, a.y) < std::tie(b.theta, b.x, b.y);
-}
-bool better(const Hypothesis& a, const Hypothesis& b) {
-  return a.score > b.score || (a.score == b.score && precedes(a.T_ref_scan, b.T_ref_scan));
-}
-bool coarsely_better(const Hypothesis& a, const Hypothesis& b) {
-  return a.coarse > b.coarse || (a.coarse == b.coarse && precedes(a.T_ref_scan, b.T_ref_scan));
 }
 
 Eigen::Vector2d weakest_direction(const Eigen::Matrix3d& information) {
@@ -174,38 +153,11 @@ void MultiHypothesisSearch::add_twins(const PreparedScan& reference, const Prepa
   }
 }
 
-void MultiHypothesisSearch::sort_distinct(std::vector<Hypothesis>& all, double scale_m,
-                                          std::vector<Hypothesis>& distinct) {
-  std::sort(all.begin(), all.end(), better);
-  distinct.clear();
-  for (const Hypothesis& h : all) {
-    const bool known = std::any_of(distinct.begin(), distinct.end(), [&](const Hypothesis& k) {
-      return same_answer(h.T_ref_scan, k.T_ref_scan, scale_m);
-    });
-    if (!known) distinct.push_back(h);
-  }
-}
-
-// The best, and among them one that turned another way, if there is any: along a corridor the same twin at many places
-// would fill the list.
-void MultiHypothesisSearch::keep_finalists(std::vector<Hypothesis>& sorted) const {
-  const auto most = static_cast<std::ptrdiff_t>(options_.finalists);
-  if (std::ssize(sorted) <= most) return;
-  const double theta = sorted.front().T_ref_scan.theta;
-  const auto turned = [&](const Hypothesis& h) { return angle_distance(h.T_ref_scan.theta, theta) > kTwinTurn_rad; };
-  const auto last = sorted.begin() + most;
-  if (most > 1 && std::none_of(sorted.begin(), last, turned)) {
-    const auto other = std::find_if(last, sorted.end(), turned);
-    if (other != sorted.end()) *(last - 1) = *other;
-  }
-  sorted.erase(last, sorted.end());
-}
-
 void MultiHypothesisSearch::refine_finalists(const PreparedScan& reference, const PreparedScan& scan,
                                              SearchOutcome& out) {
   const double scale = reference.scale_m;
   sort_distinct(kept_, scale, out.hypotheses);
-  keep_finalists(out.hypotheses);
+  keep_finalists(static_cast<std::size_t>(options_.finalists), out.hypotheses);
   PointToLineOptions middle;
   middle.gate_start_m = kMiddleGateStart * scale;
   middle.gate_end_m = kGateEnd * scale;
@@ -219,19 +171,6 @@ void MultiHypothesisSearch::refine_finalists(const PreparedScan& reference, cons
                   .score(weights_);
   }
   sort_distinct(kept_, scale, out.hypotheses);
-}
-
-// Twins that explain the scans as well: the one that turned less comes first, as sensors turn little more often than
-// far. The others stay, and the answer stays ambiguous. Returns whether another comes first now.
-bool MultiHypothesisSearch::prefer_less_turn(double margin, std::vector<Hypothesis>& sorted) {
-  auto least = sorted.begin();
-  for (auto h = sorted.begin() + 1; h != sorted.end(); ++h) {
-    if (h->score > sorted.front().score - margin &&
-        std::abs(h->T_ref_scan.theta) < std::abs(least->T_ref_scan.theta) - kTwinTurn_rad)
-      least = h;
-  }
-  std::rotate(sorted.begin(), least, least + 1);
-  return least != sorted.begin();
 }
 
 void MultiHypothesisSearch::settle(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out) {

@@ -5,7 +5,8 @@
 ///     rotation offers its two best translations.
 ///  2. The best of them, without near duplicates, are refined with the sparse hits and weighed by evidence.
 ///  3. Quarter and half turns of the best, also outside the window: the twins of symmetric rooms.
-///  4. A few finalists are refined and weighed with more hits, both ways.
+///  4. A few finalists are refined and weighed with more hits, both ways. Of twins that tie the one that turned less
+///     comes first.
 ///  5. The best is refined with all hits; a place a little way along its weakest direction is tried too.
 ///
 /// The number of operations is bounded by the options; nothing depends on a clock.
@@ -67,13 +68,10 @@ class MultiHypothesisSearch {
   void thin(const PreparedScan& reference, std::size_t most);
   void refine_candidates(const PreparedScan& reference, const PreparedScan& scan);
   void add_twins(const PreparedScan& reference, const PreparedScan& scan);
-  void keep_finalists(std::vector<Hypothesis>& sorted) const;
   void refine_finalists(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out);
   void settle(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out);
   void refine_quickly(const PreparedScan& reference, const PreparedScan& scan, Hypothesis& hypothesis) const;
   int correlate(const PreparedScan& reference, const PreparedScan& scan, const Pose2& centre);
-  static bool prefer_less_turn(double margin, std::vector<Hypothesis>& sorted);
-  static void sort_distinct(std::vector<Hypothesis>& all, double scale_m, std::vector<Hypothesis>& distinct);
 
   MhOptions options_;
   EvidenceWeights weights_;
