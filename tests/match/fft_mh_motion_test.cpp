@@ -80,6 +80,7 @@ TEST(FftMhGuess, ARightOneIsFollowedAndAWrongOneNeverBelieved) {
   ScanMatcher matcher;
   Random random(8);
   const Scan reference = test::cast_room({}, 360, 0.01);
+  int given_up = 0;
   for (int k = 0; k < 20; ++k) {
     const Pose2 truth{random.uniform(-0.9, 0.9), random.uniform(-0.9, 0.9), random.uniform(-kPi, kPi)};
     const Scan scan = test::cast_room(truth, 360, 0.01, 0.02, static_cast<std::uint64_t>(k + 2));
@@ -91,7 +92,9 @@ TEST(FftMhGuess, ARightOneIsFollowedAndAWrongOneNeverBelieved) {
     const Pose2 far{truth.x + 2.0, truth.y - 1.5, wrap_angle(truth.theta + 2.0)};
     const MatchResult wrong = matcher.match(reference, scan, {far, {}, {}});
     EXPECT_TRUE(!wrong.usable || error_of(wrong.T_ref_scan, truth).metres < 0.1) << k << " " << *wrong.confidence;
+    given_up += error_of(wrong.T_ref_scan, truth).metres < 0.1;
   }
+  EXPECT_GE(given_up, 18) << "a guess that leads nowhere is no worse than none";
 }
 
 /// A room of 5 x 3.4 m that looks the same after half a turn.
@@ -105,6 +108,20 @@ Scan rectangle(const Pose2& pose, std::uint64_t seed) {
     ranges.push_back(static_cast<float>(std::min(to_x, to_y) + random.normal(0.0, 0.01)));
   }
   return make_scan(ranges, {0.0, kTwoPi / 360, 0.15, 6.0});
+}
+
+TEST(FftMhTwins, TheOneThatTurnedLessComesFirstAndTheAnswerIsAmbiguous) {
+  ScanMatcher matcher;
+  Random random(5);
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    const Pose2 T_world_ref{random.uniform(-1.0, 1.0), random.uniform(-0.7, 0.7), random.uniform(-kPi, kPi)};
+    const Pose2 truth{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.6, 0.6)};
+    const MatchResult found =
+        matcher.match(rectangle(T_world_ref, 2 * k + 1), rectangle(T_world_ref * truth, 2 * k + 2));
+    EXPECT_LT(error_of(found.T_ref_scan, truth).metres, 0.05) << k;
+    EXPECT_TRUE(found.ambiguous) << k;
+    EXPECT_FALSE(found.usable) << k;
+  }
 }
 
 TEST(FftMhGuess, ItDecidesBetweenTheTwinsOfASymmetricRoom) {
