@@ -16,10 +16,10 @@ constexpr int kPeakCells = 3;        // a second translation of one rotation is 
 constexpr double kTwinShare = 0.85;  // of the best coarse sum: worth a closer look
 constexpr int kSettleAttempts = 2;   // slides along the weakest direction that are followed
 constexpr int kMoreInDoubt = 2;      // times the candidates when the first look does not convince
-constexpr double kSureScore = 0.25, kSureMargin = 0.15;   // below either a few rotations are not enough
-constexpr double kSlides[] = {-0.05, -0.02, 0.02, 0.05};  // [share of the scale] along the weakest direction
-constexpr double kWorthASlide = 0.01;                     // by so much the score must be better there
-constexpr double kDoubtfulProfile = 0.1;                  // below it all hits are asked
+constexpr double kSureScore = 0.25, kSureMargin = 0.15;       // below either a few rotations are not enough
+constexpr double kSlideSteps[] = {-0.05, -0.02, 0.02, 0.05};  // [share of the scale] along the weakest direction
+constexpr double kWorthASlide = 0.01;                         // by so much the score must be better there
+constexpr double kDoubtfulProfile = 0.1;                      // below it all hits are asked
 // Lengths as shares of the scale (about 6 m for an RPLidar A1), from the coarse cell down.
 constexpr double kQuickGateStart = 0.075, kMiddleGateStart = 0.05, kFineGateStart = 0.033, kGateEnd = 0.02;
 constexpr double kQuickSlack = 0.01, kFineSlack = 0.0015;
@@ -195,7 +195,7 @@ void MultiHypothesisSearch::settle(const PreparedScan& reference, const Prepared
     const Eigen::Vector2d weakest = weakest_direction(out.refined.information);
     out.profile = 2.0;
     Hypothesis other = best;
-    for (const double step : kSlides) {
+    for (const double step : kSlideSteps) {
       const Pose2 moved = slid(best.T_ref_scan, step * scale * weakest);
       const double score = weigh(moved).score(weights_);
       out.profile = std::min(out.profile, best.score - score);
@@ -217,7 +217,7 @@ void MultiHypothesisSearch::settle(const PreparedScan& reference, const Prepared
     };
     const double here = score(0.0);
     out.profile = 2.0;
-    for (const double step : kSlides) out.profile = std::min(out.profile, here - score(step));
+    for (const double step : kSlideSteps) out.profile = std::min(out.profile, here - score(step));
   }
   out.margin = best.score + 2.0;
   for (std::size_t k = 1; k < out.hypotheses.size(); ++k) {
