@@ -8,17 +8,16 @@
 namespace phasescan {
 namespace {
 
-constexpr double kReachM = 12.0;  // farther off a scan says too little of a surface
-constexpr int kLostBeams = 3;     // a straight piece may lack so many in a row
+constexpr double kPieceReachM = 12.0;  // farther off a scan says too little of a surface
+constexpr int kLostBeams = 3;          // a straight piece may lack so many in a row
 constexpr double kMinPieceM = 0.05;
 constexpr double kWidestFacet = deg_to_rad(35.0);    // seen under more than this: a surface like others
 constexpr double kMostIncidence = deg_to_rad(68.0);  // beyond it any surface may fail to answer
 constexpr int kBeamsBeside = 7, kLeastBeside = 3;
-constexpr double kBehindM = 0.25;  // a hit so far behind a line went through it
 constexpr double kSameLineM = 0.08, kSameLineRad = deg_to_rad(12.0), kSamePlaceM = 1.0;
 constexpr double kWidestGapM = 4.0, kNarrowestGapM = 0.15, kFlankM = 0.15;
 
-double tolerance(double range) {
+double on_piece(double range) {
   return 0.03 + 0.02 * range;
 }
 
@@ -39,7 +38,7 @@ void GlassCandidates::find_pieces(const std::vector<ViewRay>& rays, double step_
   };
   for (int b = 0; b < static_cast<int>(rays.size()); ++b) {
     const ViewRay& ray = rays[static_cast<std::size_t>(b)];
-    if (ray.end != RayEnd::kHit || ray.range > kReachM) continue;
+    if (ray.end != RayEnd::kHit || ray.range > kPieceReachM) continue;
     if (!run_.empty()) {
       const double range = rays[static_cast<std::size_t>(run_.back())].range;
       const int beams = b - run_.back();
@@ -61,7 +60,7 @@ void GlassCandidates::split(const std::vector<ViewRay>& rays, std::size_t from, 
   double most = 0.0;
   std::size_t at = from;
   for (std::size_t i = from + 1; i < to; ++i) {
-    const double off = std::abs(chord.offset(ray_at(i).point())) / tolerance(ray_at(i).range);
+    const double off = std::abs(chord.offset(ray_at(i).point())) / on_piece(ray_at(i).range);
     if (off > most) most = off, at = i;
   }
   if (most > 1.0) {
@@ -97,7 +96,7 @@ void GlassCandidates::look_for_facet(const std::vector<ViewRay>& rays, const Pie
       const ViewRay& ray = rays[static_cast<std::size_t>(b)];
       const Meeting m = meet(ray, piece.line);
       if (!m.meets || m.incidence > kMostIncidence) break;
-      beside += ray.end == RayEnd::kVanished || (ray.end == RayEnd::kHit && m.behind > kBehindM);
+      beside += ray.end == RayEnd::kVanished || (ray.end == RayEnd::kHit && m.behind > kThroughM);
     }
     open = open || beside >= kLeastBeside;
   }
@@ -123,7 +122,7 @@ void GlassCandidates::look_for_gap(const std::vector<ViewRay>& rays, const Piece
   sums.add(after.sums);
   const MapLine line = sums.line();
   for (const Eigen::Vector2d& p : {start, a, b, end}) {
-    if (std::abs(line.offset(p)) > tolerance(range)) return;
+    if (std::abs(line.offset(p)) > on_piece(range)) return;
   }
   for (const int beam : {before.last, after.first}) {
     const Meeting m = meet(rays[static_cast<std::size_t>(beam)], line);

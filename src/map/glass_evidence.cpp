@@ -10,8 +10,7 @@ namespace phasescan {
 namespace {
 
 constexpr double kBinM = 0.1, kBesideM = 0.7;  // the line is looked at so far beyond what was seen of it
-constexpr double kReachM = 10.0;
-constexpr double kBehindM = 0.25;                  // a hit so far behind went through
+constexpr double kEvidenceReachM = 10.0;
 constexpr double kMostOblique = deg_to_rad(66.0);  // beyond it any surface may fail to answer
 constexpr double kFacingFrom = deg_to_rad(20.0);   // hits up to here are an answer head on, if not a clean one
 constexpr double kVanishShare = 0.5;               // of the range up to which a surface should have answered
@@ -19,14 +18,14 @@ constexpr double kBehindShare = 0.8;               // the same of what stands be
 constexpr double kNearShare = 0.4;                 // a black surface answers from nearer than this
 constexpr double kShellM = 0.25;
 constexpr double kKnownBehind = 2.0;  // log-odds of what surely stands there
-constexpr double kFlankM = 0.6;       // so near to a gap its wall must be seen
+constexpr double kWallBesideM = 0.6;  // so near to a gap its wall must be seen
 constexpr double kMostLike = 0.15;    // share of beams that may say otherwise
 constexpr std::size_t kJoinBins = 3, kGrowBins = 5;
 constexpr double kWayM = 0.4;  // the sensor moved so far along the line while it saw the surface
 constexpr int kSeen = 3;
 constexpr double kSureShare = 0.35;  // oblique beams that went on, for each one that was answered
 
-double tolerance(double range) {
+double on_pane(double range) {
   return 0.05 + 0.015 * range;
 }
 
@@ -59,16 +58,16 @@ void GlassEvidence::add(const std::vector<ViewRay>& rays, double range_max, cons
   if (rays.empty()) return;
   const Eigen::Vector2d middle = at(0.5 * (candidate_.low + candidate_.high));
   const double half = 0.5 * kBinM * static_cast<double>(bins_.size());
-  if ((rays.front().from - middle).norm() > kReachM + half) return;
+  if ((rays.front().from - middle).norm() > kEvidenceReachM + half) return;
   met_.clear();
   for (const ViewRay& ray : rays) {
     if (ray.end == RayEnd::kUnknown) continue;
     const Meeting m = meet(ray, candidate_.line);
-    if (!m.meets || m.range > kReachM || m.place < start_) continue;
+    if (!m.meets || m.range > kEvidenceReachM || m.place < start_) continue;
     const auto bin = static_cast<std::size_t>((m.place - start_) / kBinM);
     if (bin >= bins_.size()) continue;
     // What ends in front of the line says nothing of it.
-    if (ray.end == RayEnd::kHit && m.behind < -tolerance(m.range)) continue;
+    if (ray.end == RayEnd::kHit && m.behind < -on_pane(m.range)) continue;
     met_.push_back({m, &ray, bin});
   }
   if (met_.empty()) return;
@@ -83,7 +82,7 @@ void GlassEvidence::count_facing(double range_max) {
   Witness witness{0.0, 1e300, -1e300};
   int answers = 0;
   for (const Met& m : met_) {
-    if (m.ray->end != RayEnd::kHit || m.at.behind > tolerance(m.at.range) || m.at.incidence > kFacingFrom) continue;
+    if (m.ray->end != RayEnd::kHit || m.at.behind > on_pane(m.at.range) || m.at.incidence > kFacingFrom) continue;
     ++answers;
     witness.place = candidate_.line.place(m.ray->from);
     witness.low = std::min(witness.low, m.at.place);
@@ -95,7 +94,7 @@ void GlassEvidence::count_facing(double range_max) {
   for (const Met& m : met_) {
     Bin& bin = bins_[m.bin];
     const bool hit = m.ray->end == RayEnd::kHit;
-    const bool on = hit && m.at.behind <= tolerance(m.at.range), through = hit && m.at.behind > kBehindM;
+    const bool on = hit && m.at.behind <= on_pane(m.at.range), through = hit && m.at.behind > kThroughM;
     const bool vanished = !hit && m.at.range < kVanishShare * range_max;
     bin.hits += on;
     if (m.at.incidence <= facing) {
@@ -115,9 +114,9 @@ void GlassEvidence::count_facing(double range_max) {
 void GlassEvidence::count_gap(double range_max, const OccupancyGrid& grid) {
   bool wall_below = false, wall_above = false;
   for (const Met& m : met_) {
-    if (m.ray->end != RayEnd::kHit || m.at.behind > tolerance(m.at.range)) continue;
-    wall_below = wall_below || (m.at.place < candidate_.low && m.at.place > candidate_.low - kFlankM);
-    wall_above = wall_above || (m.at.place > candidate_.high && m.at.place < candidate_.high + kFlankM);
+    if (m.ray->end != RayEnd::kHit || m.at.behind > on_pane(m.at.range)) continue;
+    wall_below = wall_below || (m.at.place < candidate_.low && m.at.place > candidate_.low - kWallBesideM);
+    wall_above = wall_above || (m.at.place > candidate_.high && m.at.place < candidate_.high + kWallBesideM);
   }
   range_max_ = std::max(range_max_, range_max);
   Witness witness{0.0, 1e300, -1e300};
@@ -128,8 +127,8 @@ void GlassEvidence::count_gap(double range_max, const OccupancyGrid& grid) {
     const auto shell = static_cast<std::size_t>(m.at.range / kShellM);
     if (shell >= kShells) continue;
     if (m.ray->end == RayEnd::kHit) {
-      if (m.at.behind <= tolerance(m.at.range)) ++bin.hits, ++bin.hits_at[shell];
-      bin.through += m.at.behind > kBehindM;
+      if (m.at.behind <= on_pane(m.at.range)) ++bin.hits, ++bin.hits_at[shell];
+      bin.through += m.at.behind > kThroughM;
       continue;
     }
     if (!wall_below || !wall_above || m.at.range > kVanishShare * range_max) continue;
@@ -139,8 +138,8 @@ void GlassEvidence::count_gap(double range_max, const OccupancyGrid& grid) {
     witness.high = std::max(witness.high, m.at.place);
     if (m.bin != last) ++bin.scans_at[shell];
     last = m.bin;
-    const double left = kBehindShare * range_max - m.at.range - kBehindM;
-    const Eigen::Vector2d behind = m.ray->from + (m.at.range + kBehindM) * m.ray->direction;
+    const double left = kBehindShare * range_max - m.at.range - kThroughM;
+    const Eigen::Vector2d behind = m.ray->from + (m.at.range + kThroughM) * m.ray->direction;
     const double direction = std::atan2(m.ray->direction.y(), m.ray->direction.x());
     if (left > 0.0 && grid.raycast(behind, direction, left, kKnownBehind)) {
       ++bin.expected;

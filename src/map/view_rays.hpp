@@ -38,6 +38,9 @@ struct LineSums {
   MapLine line() const;
 };
 
+/// A hit so far behind a line went through it [m].
+inline constexpr double kThroughM = 0.25;
+
 /// How a ray meets a line.
 struct Meeting {
   bool meets = false;

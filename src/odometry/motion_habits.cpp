@@ -11,8 +11,8 @@ constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kLeastBeams = 40;
 constexpr float kLongestLineM = 1.0F, kHighestReliefM = 0.08F;  // a line of five hits; more is no relief but a corner
 constexpr std::size_t kLeastSeen = 20;                          // scans to call something usual
-constexpr double kSlow = 0.98;                                  // weight of the past in what is usual
-constexpr double kStillM = 0.006, kStillRad = 0.003, kMovingM = 0.03, kTurningRad = 0.06;
+constexpr double kHabitSlow = 0.98;                             // weight of the past in what is usual
+constexpr double kRestM = 0.006, kRestRad = 0.003, kMovingM = 0.03, kTurningRad = 0.06;
 // Rest is told from motion where the two have been this far apart, and a scan within this share of that of rest.
 constexpr double kLeastContrast = 0.4, kNearStill = 0.35;
 constexpr int kInARow = 2;
@@ -49,7 +49,7 @@ std::optional<double> ReliefWitness::add(const SurfacePoints& surface) {
 void MotionHabits::Usual::add(double value) {
   // The plain mean of the first, then one that forgets.
   ++count;
-  mean += std::max(1.0 - kSlow, 1.0 / static_cast<double>(count)) * (value - mean);
+  mean += std::max(1.0 - kHabitSlow, 1.0 / static_cast<double>(count)) * (value - mean);
 }
 
 bool MotionHabits::alike(double likeness) const {
@@ -85,9 +85,9 @@ void MotionHabits::learn(const Pose2& step, bool seen) {
   last_ = gait(step.theta);
   if (!seen) return;
   const double distance = std::hypot(step.x, step.y);
-  if (likeness_ && distance < kStillM && std::abs(step.theta) < kStillRad) likeness_still_.add(*likeness_);
+  if (likeness_ && distance < kRestM && std::abs(step.theta) < kRestRad) likeness_still_.add(*likeness_);
   if (likeness_ && distance > kMovingM) likeness_moving_.add(*likeness_);
-  if (distance < kStillM && std::abs(step.theta) < kTurningRad) return;
+  if (distance < kRestM && std::abs(step.theta) < kTurningRad) return;
   UsualStep& usual = std::abs(step.theta) > kTurningRad ? turning_ : driving_;
   usual.x.add(step.x);
   usual.y.add(step.y);

@@ -20,7 +20,7 @@ constexpr float kShowing = 0.1F, kFits = 4.0F;  // squares: of a cosine that sho
 // The noise of the normals adds `leak` on average; what a match claims beyond that along a bare wall is chance, and
 // only what stands well clear of it is a surface that was seen.
 constexpr double kClearOfLeak = 3.0;
-constexpr double kContradiction = 9.0, kDifferent = 1.0;  // squared Mahalanobis distances
+constexpr double kContradictsPrior = 9.0, kDifferent = 1.0;  // squared Mahalanobis distances
 
 // One pass over the points at a pose: normal equations with a Geman-McClure kernel as wide as the gate asks.
 struct Pass {
@@ -244,15 +244,15 @@ void doubt_weak_direction(const LocalMap& map, const MapPoints& points, const Re
     const Pose2& T = at.result.T_map_base;
     const double off = u->head<2>().dot(Eigen::Vector2d(T.x - prior->T_map_base.x, T.y - prior->T_map_base.y));
     const double contradiction = off * off * kMatchTrust * u->dot(prior->information * *u);
-    if (contradiction > kContradiction && here.pieces < kPiecesOfPeople) {
+    if (contradiction > kContradictsPrior && here.pieces < kPiecesOfPeople) {
       distrust.blind = u;
-    } else if (contradiction > (here.pieces < kMostPieces ? kDifferent : kContradiction)) {
+    } else if (contradiction > (here.pieces < kMostPieces ? kDifferent : kContradictsPrior)) {
       Descent there = at;
       const Distrust blind{kClearOfLeak, u};
       descend(map, points, options, prior, blind, there);
       const int fitting = evidence(there.result.T_map_base).fitting;
       // Between equals what is known of the motion has the word.
-      if (fitting > here.fitting || (fitting == here.fitting && contradiction > kContradiction)) {
+      if (fitting > here.fitting || (fitting == here.fitting && contradiction > kContradictsPrior)) {
         distrust = blind;
         at = there;
         return;

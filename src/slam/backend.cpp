@@ -11,7 +11,6 @@ namespace phasescan {
 namespace {
 
 constexpr int kNodesPerOptimize = 60;
-constexpr double kBreakM = 100.0;  // way that a break of tracking counts for
 // Doubt of a step beyond the usual counts as so much way.
 constexpr double kSmallDoubtM = 0.05, kWayPerDoubt = 100.0;
 constexpr int kFinalRounds = 2;

@@ -17,7 +17,6 @@ constexpr double kShownM = 0.8, kShownViewM = 1.5, kShownOverlap = 0.7, kShownBy
 constexpr double kKnownM = 0.1;  // standard deviation of a pose that is known in both directions
 constexpr std::size_t kSurroundings = 16;
 constexpr std::size_t kMostWaiting = 8;
-constexpr double kBreakM = 100.0;  // way that a break of tracking counts for
 
 }  // namespace
 

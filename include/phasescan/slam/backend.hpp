@@ -136,10 +136,11 @@ class Backend {
   std::size_t next_cached_ = 0;
   LocalMap surroundings_;  // bounded memory: of the node that scans stand at now
   int surroundings_of_ = -1;
-  std::vector<Keyframe> waiting_;      // bounded memory: keyframes that do not fit the map where they should be
-  std::vector<Suspicion> suspicions_;  // of those
-  double since_fit_m_ = 0.0;           // way since a keyframe fitted the map
-  std::size_t sure_nodes_ = 0;         // nodes from before a break since which none did
+  std::vector<Keyframe> waiting_;           // bounded memory: keyframes that do not fit the map where they should be
+  std::vector<Suspicion> suspicions_;       // of those
+  static constexpr double kBreakM = 100.0;  // way that a break of tracking counts for
+  double since_fit_m_ = 0.0;                // way since a keyframe fitted the map
+  std::size_t sure_nodes_ = 0;              // nodes from before a break since which none did
   int nodes_at_optimize_ = 0;
   std::size_t new_edges_ = 0;
   bool large_correction_ = false;
