@@ -69,7 +69,7 @@ constexpr double kSlides_m = 0.05;  // less certain than this along some directi
 
 // Along a corridor both scans agree as well a little farther on.
 bool may_slide(const SearchOutcome& outcome) {
-  return outcome.profile < 0.01 || weakest_sigma(outcome.refined.information) > kSlides_m;
+  return outcome.profile < kFlatProfile || weakest_sigma(outcome.refined.information) > kSlides_m;
 }
 
 bool ties(const SearchOutcome& outcome) {

@@ -23,7 +23,7 @@ constexpr double kDoubtfulProfile = 0.1;                      // below it all hi
 // Lengths as shares of the scale (about 6 m for an RPLidar A1), from the coarse cell down.
 constexpr double kQuickGateStart = 0.075, kMiddleGateStart = 0.05, kFineGateStart = 0.033, kGateEnd = 0.02;
 constexpr double kQuickSlack = 0.01, kFineSlack = 0.0015;
-constexpr double kTieMargin = 0.03, kSlidingTieMargin = 0.12, kFlatProfile = 0.01;
+constexpr double kTieMargin = 0.03, kSlidingTieMargin = 0.12;
 
 // The pose at a peak of the window around `centre`.
 Pose2 shifted(const Pose2& centre, const ScoreTable& table, const CorrelationPeak& peak) {

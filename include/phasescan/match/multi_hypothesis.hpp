@@ -32,6 +32,9 @@ struct Hypothesis {
   RotationSource source = RotationSource::kSweep;
 };
 
+/// A profile below it: along its weakest direction the pose is as good a little farther on.
+inline constexpr double kFlatProfile = 0.01;
+
 /// What the search found, best first, and what speaks for it.
 struct SearchOutcome {
   std::vector<Hypothesis> hypotheses;  ///< distinct poses
