@@ -99,7 +99,8 @@ Eigen::Matrix3d covariance_of(const SearchOutcome& outcome) {
                                   .cwiseMin(kMostVariance);
   // What then seems to hold the pose is noise of the normals.
   if (may_slide(outcome)) variances(0) = kSlideVariance;
-  return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+  const Eigen::Matrix3d covariance = eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+  return covariance.selfadjointView<Eigen::Lower>();  // symmetric to the last bit
 }
 
 std::vector<std::string> confidence_feature_names() {

@@ -45,7 +45,8 @@ Eigen::Matrix3d covariance_from_information(const Eigen::Matrix3d& information) 
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(information);
   const Eigen::Vector3d variances =
       solver.eigenvalues().unaryExpr([](double v) { return v > 1.0 / kUnknownVariance ? 1.0 / v : kUnknownVariance; });
-  return solver.eigenvectors() * variances.asDiagonal() * solver.eigenvectors().transpose();
+  const Eigen::Matrix3d covariance = solver.eigenvectors() * variances.asDiagonal() * solver.eigenvectors().transpose();
+  return covariance.selfadjointView<Eigen::Lower>();  // to the last bit
 }
 
 Eigen::Matrix3d surface_covariance(const ScanPoints& reference, const ScanPoints& scan, const Pose2& T_ref_scan,

@@ -150,6 +150,19 @@ TEST(MatchCommand, ABadLineIsAnsweredInItsPlaceAndTheRestGoesOn) {
   EXPECT_EQ(answers[2], answers[0]);
 }
 
+TEST(MatchCommand, ACovarianceIsSymmetricToTheLastBit) {
+  const test::TempFolder folder;
+  const std::string pairs = folder.put("p.jsonl", pairs_text(30));
+  for (const char* method : {"icp", "ndt", "fft", "fft-icp1", "fft-icp2", "fft-mh"}) {
+    for (const json& answer : json_lines(run_command({"match", "--pairs", pairs, "--method", method}).out)) {
+      const json& c = answer.at("covariance");
+      EXPECT_EQ(c.at(1), c.at(3)) << method;
+      EXPECT_EQ(c.at(2), c.at(6)) << method;
+      EXPECT_EQ(c.at(5), c.at(7)) << method;
+    }
+  }
+}
+
 TEST(MatchCommand, LegalButHopelessScansAreNotUsableAndHoldNoNan) {
   const test::TempFolder folder;
   const auto scan = [&](const std::string& name, const std::string& ranges, const std::string& increment = "0.1") {
