@@ -2,20 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numeric>
 #include <sstream>
 
 #include "phasescan/io/error.hpp"
+#include "phasescan/io/file.hpp"
 
 namespace phasescan {
 
 std::vector<Relation> read_relations(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw SystemError(path, "cannot be opened for reading");
+  LineReader lines(path);
   std::vector<Relation> relations;
   std::string line;
-  for (long number = 1; std::getline(in, line); ++number) {
+  while (lines.next(line)) {
+    const long number = lines.line_number();
     const auto first = line.find_first_not_of(" \t\r");
     if (first == std::string::npos || line[first] == '#') continue;
     std::istringstream fields(line);
@@ -27,7 +27,6 @@ std::vector<Relation> read_relations(const std::string& path) {
     }
     relations.push_back({stamp_from_seconds(v[0]), stamp_from_seconds(v[1]), {v[2], v[3], wrap_angle(v[7])}});
   }
-  if (in.bad()) throw SystemError(path, "reading failed");
   return relations;
 }
 

@@ -21,7 +21,9 @@ std::size_t nearest_in_time(std::span<const StampedPose> poses, const std::vecto
 std::vector<std::size_t> step_ends(const AssociatedPoses& poses, double delta, StepUnit unit) {
   std::vector<std::size_t> ends;
   if (unit == StepUnit::kFrames) {
-    const auto step = static_cast<std::size_t>(std::max(1.0, std::round(delta)));
+    // A step beyond the end is one that nothing makes, however long.
+    const auto count = static_cast<double>(poses.estimate.size());
+    const auto step = static_cast<std::size_t>(std::clamp(std::round(delta), 1.0, std::max(count, 1.0)));
     for (std::size_t i = 0; i < poses.estimate.size(); i += step) ends.push_back(i);
     return ends;
   }

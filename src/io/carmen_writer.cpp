@@ -39,6 +39,7 @@ class CarmenWriter final : public LogWriter {
     double moved = 0.0;
     const Scan scan = even_scan(entry.flipped ? mirrored_scan(entry.scan) : entry.scan, &moved);
     if (moved > 0.0) add_loss("beams at uneven angles were moved to the nearest even one");
+    if (scan.time_increment > 0.0) add_loss("CARMEN lines say no time between beams");
     if (!first_) first_ = scan.stamp;
     const bool front = entry.odometry && fits_front_laser(scan, entry.T_base_laser);
     std::string line = front ? front_laser(scan, entry) : other_laser(scan, entry);
@@ -84,6 +85,7 @@ class CarmenWriter final : public LogWriter {
     const double stated_max = scan.geometry.range_max > 0.0 ? scan.geometry.range_max : double{kNothingSeen};
     const auto missing = static_cast<float>(stated_max);
     const auto steps = static_cast<double>(scan.size() > 1 ? scan.size() - 1 : 1);
+    if (scan.geometry.range_min > 0.0) add_loss("CARMEN lines say no smallest range");
     std::string line = entry.odometry ? "ROBOTLASER1 0" : "RAWLASER1 0";
     add_word(line, scan.geometry.angle_min);
     add_word(line, scan.geometry.angle_increment * steps);

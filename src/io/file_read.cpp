@@ -49,6 +49,14 @@ std::size_t InputStream::read(std::span<char> out) {
   return filled;
 }
 
+std::size_t InputStream::read_some(std::span<char> out) {
+  try {
+    return handle_->bytes->read(reinterpret_cast<std::uint8_t*>(out.data()), out.size());
+  } catch (const DecodeError& error) {
+    throw InputError(path_, 0, std::string(error.what()) + "; expected a whole packed file");
+  }
+}
+
 LineReader::LineReader(const std::string& path) : stream_(path) {}
 
 bool LineReader::next(std::string& line) {
@@ -68,7 +76,7 @@ bool LineReader::next(std::string& line) {
     position_ = 0;
     buffer_.resize(kBlockBytes);
     try {
-      buffer_.resize(stream_.read(buffer_));
+      buffer_.resize(stream_.read_some(buffer_));
     } catch (const InputError& error) {
       buffer_.clear();
       throw InputError(path(), line_number_ + 1, error.reason());

@@ -133,10 +133,12 @@ void write_file(const std::string& path, std::string_view content) {
 }
 
 void make_folder(const std::string& path) {
+  if (path.empty()) throw InputError("''", 0, "the folder name is empty; expected a folder to write to");
   std::error_code error;
   std::filesystem::create_directories(path, error);
+  if (error == std::errc::not_a_directory || (!error && !std::filesystem::is_directory(path)))
+    throw InputError(path, 0, "is a file, or lies in one; expected a folder");
   if (error) throw SystemError(path, "the folder cannot be made: " + error.message());
-  if (!std::filesystem::is_directory(path, error)) throw SystemError(path, "is not a folder");
 }
 
 }  // namespace phasescan

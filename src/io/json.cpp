@@ -157,7 +157,7 @@ Json parse(const Place& place) {
     try {
       return Json::parse(text);
     } catch (const Json::parse_error& error) {
-      const bool cut = error.byte >= text.size();
+      const bool cut = error.byte > text.size();
       throw InputError(place.file, line_at({place.file, place.line, text}, error.byte == 0 ? 0 : error.byte - 1),
                        cut ? "the JSON text is cut off; expected a whole object"
                            : "is not JSON at byte " + std::to_string(error.byte) + ": " +

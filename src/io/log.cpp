@@ -22,7 +22,10 @@ std::vector<LogFormat> log_formats() {
 
 std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& options) {
   std::error_code ignored;
-  const bool folder = std::filesystem::is_directory(path, ignored);
+  const auto kind = std::filesystem::status(path, ignored).type();
+  if (kind == std::filesystem::file_type::fifo || kind == std::filesystem::file_type::socket)
+    throw InputError(path, 0, "is a pipe; expected a file, since a log is read more than once");
+  const bool folder = kind == std::filesystem::file_type::directory;
   const std::string prefix = folder ? std::string() : read_prefix(path, kPrefixBytes);
   if (!folder && prefix.empty()) throw InputError(path, 1, "the file is empty; expected a log");
   if (!folder && !options.columns.empty()) return open_csv(path, options);

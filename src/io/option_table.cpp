@@ -113,7 +113,9 @@ void OptionTable::load_file(const std::string& path) {
 void OptionTable::load_text(const std::string& yaml, const std::string& file) {
   YAML::Node root;
   try {
-    root = YAML::Load(yaml);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(yaml);
+    if (documents.size() > 1) throw InputError(file, line_of(documents[1]), "a second document; expected one");
+    if (!documents.empty()) root.reset(documents.front());
   } catch (const YAML::Exception& error) {
     throw InputError(file, error.mark.is_null() ? 1 : error.mark.line + 1, "is not YAML: " + error.msg);
   }

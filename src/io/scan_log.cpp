@@ -72,7 +72,14 @@ class ScanFileReader : public LogReader {
 
 bool is_json_object(const std::string&, std::string_view prefix) {
   const std::size_t first = prefix.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  return first != std::string_view::npos && prefix[first] == '{';
+  if (first == std::string_view::npos) return false;
+  if (prefix[first] == '{') return true;
+  // A log whose beginning was cut off, or rubbish before it: a scan on a later line tells.
+  for (std::size_t at = prefix.find("\n{"); at != std::string_view::npos; at = prefix.find("\n{", at + 1)) {
+    const std::string_view line = prefix.substr(at + 1, prefix.find('\n', at + 1) - at - 1);
+    if (line.find("\"ranges\"") != std::string_view::npos) return true;
+  }
+  return false;
 }
 
 std::unique_ptr<LogReader> open_json(const std::string& path, const LogOptions&) {

@@ -4,9 +4,9 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 
 #include "phasescan/io/error.hpp"
+#include "phasescan/io/file.hpp"
 
 namespace phasescan {
 namespace {
@@ -57,11 +57,11 @@ std::string format_tum(std::span<const StampedPose> poses) {
 }
 
 std::vector<StampedPose> read_tum(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw SystemError(path, "cannot be opened for reading");
+  LineReader lines(path);
   std::vector<StampedPose> poses;
   std::string line;
-  for (long number = 1; std::getline(in, line); ++number) {
+  while (lines.next(line)) {
+    const long number = lines.line_number();
     const char* at = line.data();
     const char* const end = at + line.size();
     const auto first = line.find_first_not_of(" \t\r");
@@ -75,7 +75,6 @@ std::vector<StampedPose> read_tum(const std::string& path) {
     const double yaw = std::atan2(2.0 * (v[7] * v[6] + v[4] * v[5]), 1.0 - 2.0 * (v[5] * v[5] + v[6] * v[6]));
     poses.push_back({parse_stamp(line.data(), end, v[0]), {v[1], v[2], wrap_angle(yaw)}});
   }
-  if (in.bad()) throw SystemError(path, "reading failed");
   return poses;
 }
 

@@ -77,6 +77,18 @@ TEST(ConvertCommand, ALaserUpsideDownIsWrittenAsWhatItSees) {
   EXPECT_NEAR(flipped->scan.angle(0), -1.5, 1e-6);
 }
 
+TEST(ConvertCommand, SaysWhatTheOtherFormatCannotHold) {
+  const TempFolder folder;
+  const std::string scan = folder.put(
+      "scan",
+      R"({"angle_min": 0, "angle_increment": 0.1, "range_min": 0.2, "ranges": [1, 2, 3], "time_increment": 0.001})");
+  const auto run = run_command({"convert", scan, folder / "out.log"});
+  EXPECT_EQ(run.code, 0);
+  EXPECT_THAT(run.err, HasSubstr("no time between beams"));
+  EXPECT_THAT(run.err, HasSubstr("no smallest range"));
+  EXPECT_EQ(run_command({"convert", scan, folder / "out.jsonl"}).err, "");
+}
+
 TEST(ConvertCommand, SaysWhatItDidNotRead) {
   const TempFolder folder;
   const std::string whole = test::mcap(messages());

@@ -35,7 +35,7 @@ TEST(Relations, ReadsFileAndNamesTheBadLine) {
     EXPECT_EQ(e.line(), 2);
   }
   std::filesystem::remove(bad);
-  EXPECT_THROW(read_relations("/nonexistent/file"), SystemError);
+  EXPECT_THROW(read_relations("/nonexistent/file"), InputError);
 }
 
 TEST(Relations, ErrorIsInverseRelationTimesEstimate) {

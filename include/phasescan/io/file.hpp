@@ -22,6 +22,9 @@ class InputStream {
   /// @throws InputError for broken or cut-off packed data, after all that could be unpacked has been handed out.
   std::size_t read(std::span<char> out);
 
+  /// As read, but gives what is there by now: of a pipe, what was written into it so far. Nothing only at the end.
+  std::size_t read_some(std::span<char> out);
+
   const std::string& path() const { return path_; }
 
  private:
@@ -89,7 +92,7 @@ class AtomicFile {
 /// Writes one file whole or not at all. @throws as AtomicFile.
 void write_file(const std::string& path, std::string_view content);
 
-/// Makes a folder and those above it. @throws SystemError
+/// Makes a folder and those above it. @throws InputError if a file is in the way, SystemError
 void make_folder(const std::string& path);
 
 /// A piece of input as it may stand in a message: in quotes, at most 40 characters, control characters as '?'.
