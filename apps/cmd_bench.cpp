@@ -113,7 +113,8 @@ void add_bench_command(CLI::App& app, CommandBody& body) {
       ->allow_extra_args(false);
   auto* seed =
       command->add_option("--seed", flags->common.seed, "seed of the simulated sets; without: the one in the file")
-          ->type_name("N");
+          ->type_name("N")
+          ->check(whole_number_from(0));
   add_threads_flag(*command, flags->common);
   add_config_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);

@@ -31,11 +31,11 @@ int run_convert(const ConvertFlags& flags) {
     progress.step(++scans);
     if (InterruptGuard::interrupted()) break;
   }
-  const int code = report_damages(*reader, kDone);
   if (scans == 0) {
-    if (code == kDamagedInput) return fail(InputError(flags.in, 0, "nothing in it could be read").what(), kBadInput);
+    if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.in);
     return fail(InputError(flags.in, 0, "holds no scan; expected at least one").what(), kAnswerIsNo);
   }
+  const int code = report_damages(*reader, kDone);
   writer->finish();
   for (const std::string& loss : writer->losses()) warn(flags.out + ": " + loss);
   return code;

@@ -146,11 +146,12 @@ void add_eval_command(CLI::App& app, CommandBody& body) {
       ->add_option(
           "--laser", flags->laser,
           "--relations: where the laser sits on the base, if the trajectory is the base's and the relations are the laser's")
-      ->type_name("X,Y,DEG");
+      ->type_name("X,Y,DEG")
+      ->needs(relations);
   command->add_option("--max-gap", flags->max_gap_s, "stamps farther apart do not belong together [s]")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->capture_default_str();
-  command->add_option("--delta", flags->delta, "step of the RPE")->check(CLI::PositiveNumber)->capture_default_str();
+  command->add_option("--delta", flags->delta, "step of the RPE")->check(number_above_zero())->capture_default_str();
   command->add_option("--delta-unit", flags->delta_unit, "f: frames, m: metres")
       ->check(CLI::IsMember({"f", "m"}))
       ->capture_default_str();

@@ -33,6 +33,7 @@ int run_info(const InfoFlags& flags) {
     progress.step(summary.scans());
     if (InterruptGuard::interrupted()) return kAnswerIsNo;
   }
+  if (summary.scans() == 0 && reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
   print_line("file", flags.log);
   print_line("format", reader->format());
   for (const auto& [name, value] : reader->facts()) print_line(name, value);
@@ -47,8 +48,6 @@ int run_info(const InfoFlags& flags) {
   }
   const int code = report_damages(*reader, kDone);
   if (summary.usable_scans() > 0) return code;
-  if (summary.scans() == 0 && code == kDamagedInput)
-    return fail(InputError(flags.log, 0, "nothing in it could be read").what(), kBadInput);
   return fail(InputError(flags.log, 0, "holds no usable scan; expected at least one with a hit").what(), kAnswerIsNo);
 }
 

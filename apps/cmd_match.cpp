@@ -113,8 +113,8 @@ int match_pairs(const MatchFlags& flags, const MatchOptions& options, const Matc
   PairReader reader(flags.pairs);
   InterruptGuard guard;
   Progress progress("match", 0);
-  std::size_t done = 0;
-  bool all_read = true;
+  std::size_t done = 0, bad = 0;
+  std::string first_bad;
   std::vector<PairLine> lines;
   do {
     lines.clear();
@@ -125,14 +125,17 @@ int match_pairs(const MatchFlags& flags, const MatchOptions& options, const Matc
     }
     for (const std::string& answer : match_lines(lines, matchers, hints, !flags.common.no_times)) print(answer + "\n");
     for (const PairLine& line : lines) {
-      if (line.pair) continue;
-      all_read = false;
-      warn(InputError(flags.pairs, line.line, line.error).what());
+      if (!line.pair && bad++ == 0) first_bad = InputError(flags.pairs, line.line, line.error).what();
     }
+    flush();  // whoever reads along sees each answer, and a process that is ended loses none
     progress.step(done += lines.size());
   } while (lines.size() == window && !InterruptGuard::interrupted());
-  if (InterruptGuard::interrupted()) return kAnswerIsNo;
-  return all_read ? kDone : kBadInput;
+  if (InterruptGuard::interrupted()) {
+    warn("stopped after " + std::to_string(done) + " pairs");
+    return kAnswerIsNo;
+  }
+  if (bad == 0) return kDone;
+  return fail(first_bad + (bad > 1 ? "; and " + std::to_string(bad - 1) + " more bad lines" : ""), kBadInput);
 }
 
 int run_match(const MatchFlags& flags) {
@@ -160,8 +163,11 @@ void add_match_command(CLI::App& app, CommandBody& body) {
   command->add_option("--pairs", flags->pairs, "pairs file (JSON Lines, .gz): a line of JSON for each")
       ->type_name("FILE");
   command->add_option("--guess", flags->guess, "first guess of the pose; none: any rotation is looked at")
-      ->type_name("X,Y,THETA_DEG");
-  command->add_option("--plot", flags->plot, "figure of both scans before and after")->type_name("F.svg");
+      ->type_name("X,Y,THETA_DEG")
+      ->check(not_empty());
+  command->add_option("--plot", flags->plot, "figure of both scans before and after")
+      ->type_name("F.svg")
+      ->check(not_empty());
   add_method_flags(*command, flags->common);
   add_config_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);

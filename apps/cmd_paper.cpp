@@ -39,6 +39,7 @@ void add_paper_command(CLI::App& app, CommandBody& body) {
       ->type_name("FILE...");
   command->add_option("--seed", flags->options.seed, "seed of the simulated data")
       ->type_name("N")
+      ->check(whole_number_from(0))
       ->capture_default_str();
   add_threads_flag(*command, flags->common, 2);
   add_no_times_flag(*command, flags->common);

@@ -51,6 +51,8 @@ sim::PairsSpec pairs_spec(const SimulateFlags& flags) {
     refuse(flags, {"--world", "--sensor", "--classes"}, "the file of --config says that; expected one of the two");
     return sim::read_pairs_spec(flags.common.config);
   }
+  if (!flags.given("--world"))
+    refuse(flags, {"--sensor", "--classes"}, "the benchmark says that itself; expected --world with it");
   if (!flags.given("--world")) return sim::read_pairs_spec("bench-sim");
   sim::PairRow row;
   if (const auto kind = sim::world_kind(flags.world)) {
@@ -164,7 +166,7 @@ void add_simulate_command(CLI::App& app, CommandBody& body) {
   command->add_option("--people", flags->what.people, "people walking about")->capture_default_str();
   command->add_flag("--odometry", flags->what.odometry, "wheel odometry in the log: drifting, noisy, slipping");
   command->add_flag("--no-motion", flags->no_motion, "all beams of a scan at one time: no distortion by motion");
-  command->add_option("--pairs", flags->pairs, "makes this many pairs instead of a log");
+  command->add_option("--pairs", flags->pairs, "makes this many pairs instead of a log")->check(whole_number_from(1));
   command->add_option("--config", flags->common.config,
                       "with --pairs: a benchmark (" + benchmarks + ") or a YAML file; bench-sim");
   command->add_option("--classes", flags->classes, "with --pairs and --world: small, middle, large, global, none")
@@ -174,7 +176,6 @@ void add_simulate_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] {
     body = [flags] {
       if (!flags->given("--pairs")) return simulate_drive(*flags);
-      if (flags->pairs == 0) throw std::invalid_argument("--pairs: 0 pairs; expected 1 or more");
       return simulate_pairs(*flags);
     };
   });

@@ -105,8 +105,7 @@ int run_slam(const SlamFlags& flags) {
   run.check = &check;
   feed(*reader, slam, check, flags, run);
   if (slam.records().empty()) {
-    if (report_damages(*reader, kDone) == kDamagedInput)
-      return fail(InputError(flags.log, 0, "nothing in it could be read").what(), kBadInput);
+    if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
     return fail(InputError(flags.log, 0, "holds no scan; expected at least one").what(), kAnswerIsNo);
   }
   slam.finish();
@@ -141,12 +140,13 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
       ->check(CLI::IsMember({"auto", "none"}))
       ->capture_default_str();
   command->add_option("--range-max", flags->range_max, "cut the scans down to this range [m]")
-      ->check(CLI::PositiveNumber)
+      ->check(number_above_zero())
       ->type_name("M");
   command->add_option("--beam-step", flags->beam_step, "keep every K-th beam")
       ->check(CLI::Range(1, 10000))
       ->type_name("K");
-  command->add_option("--mcap", flags->mcap, "write scans, frames, path and map for Foxglove or Lichtblick");
+  command->add_option("--mcap", flags->mcap, "write scans, frames, path and map for Foxglove or Lichtblick")
+      ->check(not_empty());
   command->add_option("--topic", flags->topic, "ROS: only this scan topic");
   add_config_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);

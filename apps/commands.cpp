@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -29,6 +30,10 @@ extern "C" void request_stop(int signal_number) {
   std::signal(signal_number, SIG_DFL);
 }
 
+[[noreturn]] void refuse_output() {
+  throw SystemError("standard output", std::string("cannot be written: ") + std::strerror(errno));
+}
+
 }  // namespace
 
 CommandRegistration::CommandRegistration(int order, AddCommand add) {
@@ -45,11 +50,14 @@ std::vector<AddCommand> registered_commands() {
 
 void add_config_flag(CLI::App& command, CommonFlags& flags) {
   command.add_option("--config", flags.config, "YAML file with options (see `phasescan config --dump`)")
-      ->type_name("FILE.yaml");
+      ->type_name("FILE.yaml")
+      ->check(not_empty());
 }
 
 void add_method_flags(CLI::App& command, CommonFlags& flags) {
-  command.add_option("--method", flags.method, "icp, ndt, fft, fft-icp1, fft-icp2 or fft-mh")->type_name("NAME");
+  command.add_option("--method", flags.method, "icp, ndt, fft, fft-icp1, fft-icp2 or fft-mh")
+      ->type_name("NAME")
+      ->check(not_empty());
   command.add_flag("--fast", flags.fast, "trade a little robustness for time (fft-mh)");
 }
 
@@ -64,12 +72,44 @@ void add_threads_flag(CLI::App& command, CommonFlags& flags, int default_threads
 void add_seed_flag(CLI::App& command, CommonFlags& flags) {
   command.add_option("--seed", flags.seed, "seed where chance is involved")
       ->type_name("N")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number_from(0))
       ->capture_default_str();
 }
 
 void add_no_times_flag(CLI::App& command, CommonFlags& flags) {
   command.add_flag("--no-times", flags.no_times, "leave times out: same input, same bytes");
+}
+
+CLI::Validator whole_number_from(std::uint64_t least) {
+  return {[least](std::string& text) {
+            const auto number = parse_number<std::uint64_t>(text);
+            return number && *number >= least
+                       ? std::string()
+                       : quote_text(text) + " is no whole number from " + std::to_string(least) + " to 2^64 - 1";
+          },
+          ""};
+}
+
+CLI::Validator number_above_zero() {
+  return {[](std::string& text) {
+            const auto number = parse_number<double>(text);
+            return number && *number > 0.0 && std::isfinite(*number) ? std::string()
+                                                                     : quote_text(text) + " is no number above 0";
+          },
+          ""};
+}
+
+CLI::Validator number_from_zero() {
+  return {[](std::string& text) {
+            const auto number = parse_number<double>(text);
+            return number && *number >= 0.0 && std::isfinite(*number) ? std::string()
+                                                                      : quote_text(text) + " is no number from 0 on";
+          },
+          ""};
+}
+
+CLI::Validator not_empty() {
+  return {[](std::string& text) { return text.empty() ? std::string("is empty") : std::string(); }, ""};
 }
 
 Config config_from(const CommonFlags& flags) {
@@ -157,10 +197,21 @@ int report_damages(const LogReader& reader, int code) {
   return reader.damage_count() > 0 ? kDamagedInput : code;
 }
 
+int fail_unreadable(const LogReader& reader, const std::string& log) {
+  std::string reason =
+      reader.damages().empty() ? InputError(log, 0, "is damaged").what() : reader.damages().front().text;
+  reason += "; nothing in it could be read";
+  if (reader.damage_count() > 1)
+    reason += ", " + std::to_string(reader.damage_count() - 1) + " more places are damaged";
+  return fail(reason, kBadInput);
+}
+
 void print(std::string_view text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) {
-    throw SystemError("standard output", std::string("cannot be written: ") + std::strerror(errno));
-  }
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) refuse_output();
+}
+
+void flush() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) refuse_output();
 }
 
 }  // namespace phasescan::app

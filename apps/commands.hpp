@@ -46,6 +46,14 @@ void add_threads_flag(CLI::App& command, CommonFlags& flags, int default_threads
 void add_seed_flag(CLI::App& command, CommonFlags& flags);
 void add_no_times_flag(CLI::App& command, CommonFlags& flags);
 
+/// Checks of a flag's text, before it is read as a number: what CLI11 would wrap, cut off or let pass (-1 and 2^64 as
+/// unsigned numbers, NaN as positive) is refused in one short line.
+CLI::Validator whole_number_from(std::uint64_t least);
+CLI::Validator number_above_zero();
+CLI::Validator number_from_zero();
+/// Something rather than nothing: `--config "$UNSET"` is a mistake, not the default.
+CLI::Validator not_empty();
+
 /// Defaults, then --config, then --method (if it names one) and --fast. @throws InputError, std::invalid_argument
 Config config_from(const CommonFlags& flags);
 
@@ -91,7 +99,13 @@ void warn(const std::string& text);
 /// Prints each of a reader's damages as a warning; gives kDamagedInput if there are any, else `code`.
 int report_damages(const LogReader& reader, int code);
 
+/// The one line for a log that holds damage and not one scan: its first damage, and that there is nothing else. Gives
+/// kBadInput.
+int fail_unreadable(const LogReader& reader, const std::string& log);
+
 /// Writes to standard output. @throws SystemError if it does not take it (disk full, pipe closed).
 void print(std::string_view text);
+/// Hands over what was printed so far. @throws as print
+void flush();
 
 }  // namespace phasescan::app

@@ -1,10 +1,9 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
+#include <csignal>
 #include <new>
+#include <sstream>
 
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
@@ -22,7 +21,13 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (error.get_exit_code() == 0) {  // --help, --version
+      std::ostringstream text;
+      app.exit(error, text);
+      print(text.str());
+      flush();
+      return kDone;
+    }
     const auto used = app.get_subcommands();
     if (used.empty() && argc > 1 && argv[1][0] != '-') {
       std::string names;
@@ -34,9 +39,7 @@ int run(int argc, char** argv) {
     return fail(std::string(error.what()) + "; expected what `" + help + "` says", kBadInput);
   }
   const int code = body();
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    throw SystemError("standard output", std::string("cannot be written: ") + std::strerror(errno));
-  }
+  flush();
   return code;
 }
 
@@ -45,6 +48,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace phasescan;
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit (ulimit -f) is a write that fails, like a full disk
   const auto logger = spdlog::stderr_color_st("phasescan");
   logger->set_pattern("%n: %l: %v");
   spdlog::set_default_logger(logger);

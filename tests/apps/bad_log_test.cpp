@@ -188,8 +188,22 @@ TEST(BadLogs, FoldersAndWhatIsNotThere) {
   expect(run_command({"match", "--pairs", folder.path()}), 2, "is a folder");
   expect(run_command({"info", folder.put("rubbish", "lorem ipsum\n")}), 2, "rubbish:1: is of no known format");
   // Damage before any scan: nothing could be read.
-  expect(run_command({"slam", folder.put("cut", "FLASER 3 1 2"), "--out", folder / "out"}), 2,
-         "nothing in it could be read");
+  const std::string cut = folder.put("cut", "FLASER 3 1 2");
+  for (const CommandResult& result : {run_command({"slam", cut, "--out", folder / "out"}), run_command({"info", cut}),
+                                      run_command({"convert", cut, folder / "out.jsonl"})}) {
+    expect(result, 2, "nothing in it could be read");
+    EXPECT_THAT(result.err, testing::StartsWith("phasescan: " + cut + ":1: ")) << "one line with its place";
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_EQ(result.out, "");
+  }
+}
+
+TEST(BadLogs, AScanLogWithoutItsBeginningIsRead) {
+  const TempFolder folder;
+  const std::string line = R"({"angle_min": 0, "angle_increment": 0.1, "ranges": [1, 2, 3]})"
+                           "\n";
+  for (const std::string& head : {std::string("rubbish\n"), std::string(", 1.5, 2]}\n"), std::string("\0\0\n", 3)})
+    expect(info_of(folder, head + line + line), 4, "/log:1: ");
 }
 
 }  // namespace

@@ -114,7 +114,7 @@ TEST(MatchCommand, AScanOfALogIsNamedByItsNumber) {
   expect_refusal(run_command({"match", log + "#0", log + "#2"}), 2, "has 2 scans; expected more than 2 for #2");
   expect_refusal(run_command({"match", log + "#0", log + "#x"}), 2, "expected LOG#k");
   const std::string damaged = folder.put("d.jsonl", "rubbish {\n" + format_log_line(first) + "\n");
-  EXPECT_EQ(run_command({"match", damaged + "#0", log + "#1"}).code, 2) << "not a log at all";
+  EXPECT_EQ(run_command({"match", damaged + "#0", log + "#1"}).code, 4) << "the scan behind the rubbish can be read";
   const std::string partly = folder.put("p.jsonl", "{}\n" + format_log_line(first) + "\n");
   const auto warned = run_command({"match", partly + "#0", log + "#1"});
   EXPECT_EQ(warned.code, 4);
@@ -148,6 +148,15 @@ TEST(MatchCommand, ABadLineIsAnsweredInItsPlaceAndTheRestGoesOn) {
   EXPECT_EQ(answers[1].at("line"), 2);
   EXPECT_THAT(answers[1].at("error").get<std::string>(), HasSubstr("\"reference\" is missing"));
   EXPECT_EQ(answers[2], answers[0]);
+  EXPECT_THAT(result.err, StartsWith("phasescan: " + pairs + ":2: \"reference\" is missing"));
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  const auto worse =
+      run_command({"match", "--pairs", folder.put("w.jsonl", "x\n" + pairs_text(1) + "y\nz\n"), "--no-times"});
+  EXPECT_EQ(worse.code, 2);
+  EXPECT_EQ(json_lines(worse.out).size(), 4U);
+  EXPECT_THAT(worse.err,
+              HasSubstr("w.jsonl:1: is not JSON at byte 1: 'x'; expected a JSON object; and 2 more bad lines"));
+  EXPECT_EQ(std::count(worse.err.begin(), worse.err.end(), '\n'), 1) << worse.err;
 }
 
 TEST(MatchCommand, ACovarianceIsSymmetricToTheLastBit) {
@@ -202,6 +211,8 @@ TEST(MatchCommand, BadInputIsOneLineWithItsPlaceAndExitCode2) {
   };
   refused("empty", "", "1: the file is empty");
   refused("truncated", "{\"angle_min\": 0,\n\"ranges\": [1,", "2: the JSON text is cut off");
+  refused("brace too many", "{\"angle_min\": 0, \"angle_increment\": 0.1, \"ranges\": [1]}}",
+          "1: is not JSON at byte 56");
   refused("word", "{\"angle_min\": 0, \"angle_increment\": 0.1,\n\"ranges\": [1, \"two\"]}",
           "2: \"ranges\"[1] is 'two'");
   refused("increment", "{\"angle_min\": 0,\n\"angle_increment\": 0, \"ranges\": [1, 2]}",
