@@ -17,7 +17,7 @@ class SafetyNet {
  public:
   struct Catch {
     Pose2 T_odom_base;           ///< at the scan's stamp
-    Eigen::Matrix3d covariance;  ///< of (x, y, theta) in the frame of the remembered base
+    Eigen::Matrix3d covariance;  ///< of (x, y, theta) along the axes of odom
     bool sure = true;            ///< the match itself says that it can be trusted
   };
 
