@@ -141,10 +141,10 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   hold_still(step);
   T_odom_mid_ = step.T_odom_mid;
   step.twist = twist_;
-  // The stamp lies half a turn before the middle: between the last middle and this one where turns follow each other
-  // closely.
+  // The stamp lies half a turn before the middle, between the last middle and this one where turns follow each other
+  // closely; behind it where beams are listed last to first.
   if (timing.duration_s > 0.0 && seconds > 0.0) {
-    const double back = std::clamp(0.5 * timing.duration_s / seconds, 0.0, 1.0);
+    const double back = std::clamp(middle_s(scan, timing.duration_s) / seconds, -1.0, 1.0);
     step.T_odom_stamp = T_odom_before * exp_twist(log_pose(T_odom_before.inverse() * T_odom_mid_), 1.0 - back);
   } else {
     step.T_odom_stamp = T_odom_mid_;
