@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <span>
 
 #include "phasescan/slam/polish.hpp"
 
@@ -45,6 +46,7 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
     Keyframe& first = batch_.front();
     first.T_mid_stamp = step.T_odom_first->inverse() * (first.T_odom_base * first.T_mid_stamp);
     first.T_odom_base = *step.T_odom_first;
+    first.twist = step.twist;  // near enough: what unbent its points
     const Pose2 T_keyframe_stamp = step.T_odom_first->inverse();
     for (ScanRecord& r : records_) {
       if (r.keyframe < 0) continue;
@@ -150,16 +152,22 @@ std::vector<std::size_t> Slam::drawn_keyframes() const {
   return drawn;
 }
 
-std::size_t Slam::scans_left_out() const {
-  if (!options_.slam.largest_piece) return 0;
-  const MapPieces pieces = backend().pieces();
-  std::size_t count = 0;
-  for (const ScanRecord& r : records_) {
-    const auto k = static_cast<std::size_t>(r.keyframe);
-    if (r.keyframe < 0 || k >= backend().handed_in()) continue;
-    count += !pieces.in_largest(static_cast<std::size_t>(backend().node_of(k)));
+std::vector<char> Slam::on_map() const {
+  std::vector<char> on(records_.size(), 1);
+  if (!options_.slam.largest_piece) return on;
+  const Backend& map = backend();
+  const MapPieces pieces = map.pieces();
+  for (std::size_t i = 0; i < on.size(); ++i) {
+    const auto k = static_cast<std::size_t>(records_[i].keyframe);
+    if (records_[i].keyframe < 0 || k >= map.handed_in()) continue;
+    on[i] = pieces.in_largest(static_cast<std::size_t>(map.node_of(k)));
   }
-  return count;
+  return on;
+}
+
+std::size_t Slam::scans_left_out() const {
+  const std::vector<char> on = on_map();
+  return static_cast<std::size_t>(std::count(on.begin(), on.end(), 0));
 }
 
 OccupancyGrid Slam::render_map() const {
@@ -176,7 +184,16 @@ std::vector<GlassPane> Slam::find_glass_panes(const OccupancyGrid& grid) const {
   const std::vector<std::size_t> drawn = drawn_keyframes();
   std::vector<GlassPane> panes = find_glass(
       drawn.size(), [&](std::size_t i) { return placed_keyframe(drawn[i]); }, grid, options_.glass);
-  return cut_where_driven(std::move(panes), trajectory(), options_.glass.keep_open_m, options_.glass.min_length_m);
+  // Where the robot drove on this map; where pieces that are not on it lie is a guess.
+  const std::vector<Pose2> poses = trajectory();
+  const std::vector<char> on = on_map();
+  for (auto begin = on.begin(); begin != on.end();) {
+    const auto end = std::find(begin, on.end(), 0);
+    const std::span<const Pose2> way(poses.begin() + (begin - on.begin()), poses.begin() + (end - on.begin()));
+    panes = cut_where_driven(std::move(panes), way, options_.glass.keep_open_m, options_.glass.min_length_m);
+    begin = std::find(end, on.end(), 1);
+  }
+  return panes;
 }
 
 std::vector<Pose2> Slam::odometry_trajectory() const {

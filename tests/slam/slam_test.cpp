@@ -128,6 +128,30 @@ TEST(Slam, OnePosePerScanWhateverComes) {
   EXPECT_EQ(slam.trajectory()[7].x, slam.trajectory()[6].x);
 }
 
+TEST(Slam, TheFirstKeyframeIsDrawnAsUnbentAsTheOthers) {
+  ToyLidar lidar;
+  lidar.turn_s = 0.18;
+  const Twist2 turning{0.0, 0.0, 1.0};
+  Random random(4);
+  Slam slam;
+  for (int i = 0; i < 6; ++i) {
+    slam.add(toy_scan(two_rooms(), {0, 0, 0.18 * i}, lidar, random, stamp_from_seconds(1.0 + 0.18 * i), turning));
+  }
+  slam.finish();
+  EXPECT_NEAR(slam.backend().keyframes().front().twist.omega, 1.0, 0.1);
+}
+
+TEST(ScanStore, KeepsRangesAndReasonsAndMakesNoWallOfWhatIsTooFar) {
+  ScanStore store;
+  const Scan scan = make_scan(std::vector<float>{0.5F, 129.9F, 140.0F, 0.0F, 999.0F}, {0.0, 0.01, 0.1, 200.0});
+  const Scan kept = store.scan(store.add(scan, {}));
+  EXPECT_NEAR(kept.ranges[0], 0.5F, 0.0011F);
+  EXPECT_NEAR(kept.ranges[1], 129.9F, 0.0011F);
+  EXPECT_EQ(kept.states[2], BeamState::kOutOfRange);
+  EXPECT_EQ(kept.states[3], scan.states[3]);
+  EXPECT_EQ(kept.states[4], scan.states[4]);
+}
+
 TEST(Slam, NothingAtAllIsAnEmptyMap) {
   Slam slam;
   slam.finish();

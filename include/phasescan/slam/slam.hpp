@@ -51,7 +51,9 @@ class Slam {
   std::optional<Pose2> pose_on_map(std::size_t scan) const;
   /// Keyframes that the map is drawn from: all, or those of the largest piece (slam.largest_piece).
   std::vector<std::size_t> drawn_keyframes() const;
-  /// Scans that stand in no part of the map, since nothing ties their piece to it.
+  /// Of each scan: 0 where it stands in no part of the map, since nothing ties its piece to it; else 1.
+  std::vector<char> on_map() const;
+  /// How many stand in no part of it.
   std::size_t scans_left_out() const;
   /// The map that these keyframes' scans draw from their poses as they stand.
   OccupancyGrid render_map() const;
