@@ -11,7 +11,7 @@
 namespace phasescan {
 namespace {
 
-constexpr std::size_t kMaxKeyframes = 24;
+constexpr std::size_t kMaxKeyframes = 24;                  // that make the map of what is around one
 constexpr double kLeastPeriods = 0.3, kMostPeriods = 3.0;  // between two scans that tell of the motion during a turn
 constexpr double kMostM = 0.15, kMostRad = 0.06;           // a polish moves a pose less than this
 

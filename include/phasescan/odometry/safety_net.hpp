@@ -23,7 +23,6 @@ class SafetyNet {
 
   /// @param twist  of the base during the scan
   void remember(const Scan& scan, const LaserMount& mount, const Pose2& T_odom_stamp, const Twist2& twist);
-  void forget() { scan_.reset(); }
 
   /// The pose of a scan by a global match (fft-mh); empty where the match itself says that it cannot be trusted, but
   /// for its best guess where `doubtful` ones are asked for.
