@@ -204,6 +204,11 @@ void write_slam_output(const std::string& folder, const Slam& slam, const SlamRu
   report.trajectory = trajectory;
   const std::vector<Pose2> odometry = slam.odometry_trajectory();
   report.odometry = odometry;
+  const std::vector<char> on_map = slam.on_map();
+  report.on_map = on_map;
+  std::vector<char> node_on_map(slam.backend().keyframes().size(), 0);
+  for (const std::size_t node : slam.drawn_keyframes()) node_on_map[node] = 1;
+  report.node_on_map = node_on_map;
   report.glass = panes;
   report.graph = &slam.backend().graph();
   for (const PoseEdge& e : report.graph->edges()) {

@@ -67,11 +67,10 @@ class ByteWriter {
  public:
   template <class T>
   void put(T value) {
-    const auto* raw = reinterpret_cast<const std::uint8_t*>(&value);
-    bytes_.insert(bytes_.end(), raw, raw + sizeof(T));
+    append(&value, sizeof(T));
   }
-  void raw(Bytes more) { bytes_.insert(bytes_.end(), more.begin(), more.end()); }
-  void raw(std::string_view text) { bytes_.insert(bytes_.end(), text.begin(), text.end()); }
+  void raw(Bytes more) { append(more.data(), more.size()); }
+  void raw(std::string_view text) { append(text.data(), text.size()); }
   void prefixed_text(std::string_view text) {
     put(static_cast<std::uint32_t>(text.size()));
     raw(text);
@@ -88,6 +87,12 @@ class ByteWriter {
   void clear() { bytes_.clear(); }
 
  private:
+  void append(const void* more, std::size_t n) {
+    if (n == 0) return;
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + n);
+    std::memcpy(bytes_.data() + at, more, n);
+  }
   std::vector<std::uint8_t> bytes_;
 };
 

@@ -49,7 +49,8 @@ class CsvReader final : public CsvRowReader {
     if (column == nullptr) return stamp_from_seconds(static_cast<double>(scan) * kAssumedScanSeconds);
     if (column->scale == 1.0) return row.stamp_seconds.value_or(0);
     const auto ns = static_cast<std::int64_t>(std::llround(column->scale * 1e9));
-    if (row.stamp_integer && std::abs(static_cast<double>(*row.stamp_integer)) * static_cast<double>(ns) < 9.2e18) {
+    if (row.stamp_integer &&
+        std::abs(static_cast<double>(*row.stamp_integer)) * static_cast<double>(ns) < 1e9 * kMostStampSeconds) {
       return *row.stamp_integer * ns;
     }
     return stamp_from_seconds(*value(row.numbers, ColumnRole::kStamp));

@@ -125,7 +125,8 @@ void expect_count(const std::vector<float>& values, std::size_t beams, const Pla
 // The stamp's own digits, which a double does not hold at 1.7e9 s.
 Stamp stamp_of(const Json& object, const Place& place) {
   const double seconds = number_of(object, place, "stamp", 0.0);
-  if (!(std::abs(seconds) < 9.2e9)) place.fail("stamp", "\"stamp\" is not a possible time; expected seconds");
+  if (!(std::abs(seconds) < kMostStampSeconds))
+    place.fail("stamp", "\"stamp\" is not a possible time; expected seconds");
   const Stamp rough = stamp_from_seconds(seconds);
   for (std::size_t at = place.text.find("\"stamp\""); at != std::string_view::npos;
        at = place.text.find("\"stamp\"", at + 1)) {

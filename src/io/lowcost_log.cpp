@@ -159,7 +159,8 @@ class BreezyReader final : public LowcostReader {
 
   bool read(const std::vector<double>& n, LogEntry& entry) override {
     if (wrong_count(kBreezyHead + kBreezyBeams + 1, n.size())) return false;
-    if (!is_integer_up_to(n[0], 9e15) || !is_integer_up_to(n[2], 1e12) || !is_integer_up_to(n[3], 1e12)) {
+    if (!is_integer_up_to(n[0], 1e6 * kMostStampSeconds) || !is_integer_up_to(n[2], 1e12) ||
+        !is_integer_up_to(n[3], 1e12)) {
       damage_here("bad number", "time or encoder is no integer");
       return false;
     }
@@ -209,7 +210,8 @@ class PolarReader final : public LowcostReader {
       damage_here("wrong count", std::to_string(n.size()) + " numbers; expected distance, turn, seconds and ranges");
       return false;
     }
-    if (!std::isfinite(n[0]) || !std::isfinite(n[1]) || !(n[2] >= 0.0 && n[2] < 1e6)) {
+    if (!std::isfinite(n[0]) || !std::isfinite(n[1]) || !(n[2] >= 0.0 && n[2] < 1e6) ||
+        stamp_to_seconds(stamp_) + n[2] > kMostStampSeconds) {
       damage_here("bad number", "distance, turn or seconds is out of bounds");
       return false;
     }

@@ -6,7 +6,7 @@ namespace phasescan {
 
 std::optional<Stamp> parse_stamp(std::string_view text) {
   const auto rough = parse_number<double>(text);
-  if (!rough || !(std::abs(*rough) < 9.2e9)) return std::nullopt;
+  if (!rough || !(std::abs(*rough) < kMostStampSeconds)) return std::nullopt;
   if (text.find_first_of("eE") != std::string_view::npos) return stamp_from_seconds(*rough);
   const bool negative = text.starts_with('-');
   if (negative || text.starts_with('+')) text.remove_prefix(1);

@@ -27,7 +27,7 @@ Stamp parse_stamp(const char* at, const char* end, double fallback) {
   const bool negative = at < end && *at == '-';
   if (negative) ++at;
   auto [rest, error] = std::from_chars(at, end, seconds);
-  if (error != std::errc() || std::abs(fallback) > 9e9) return stamp_from_seconds(fallback);
+  if (error != std::errc() || !(std::abs(fallback) < kMostStampSeconds)) return stamp_from_seconds(fallback);
   if (rest < end && (*rest == 'e' || *rest == 'E')) return stamp_from_seconds(fallback);
   if (rest < end && *rest == '.') {
     ++rest;

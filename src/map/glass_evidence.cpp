@@ -17,9 +17,11 @@ constexpr double kVanishShare = 0.5;               // of the range up to which a
 constexpr double kBehindShare = 0.8;               // the same of what stands behind
 constexpr double kNearShare = 0.4;                 // a black surface answers from nearer than this
 constexpr double kShellM = 0.25;
-constexpr double kKnownBehind = 2.0;  // log-odds of what surely stands there
-constexpr double kWallBesideM = 0.6;  // so near to a gap its wall must be seen
-constexpr double kMostLike = 0.15;    // share of beams that may say otherwise
+constexpr double kKnownBehind = 2.0;    // log-odds of what surely stands there
+constexpr double kWallBesideM = 0.6;    // so near to a gap its wall must be seen
+constexpr double kMostLike = 0.15;      // share of beams that may say otherwise
+constexpr double kExpectedShare = 0.6;  // of the beams that vanished: known to have something to end on behind
+constexpr int kBlackOdds = 4;  // of what was answered head on, so many vanish for each that went through: not glass
 constexpr std::size_t kJoinBins = 3, kGrowBins = 5;
 constexpr double kWayM = 0.4;  // the sensor moved so far along the line while it saw the surface
 constexpr int kSeen = 3;
@@ -187,7 +189,8 @@ bool GlassEvidence::is_black(std::size_t i) const {
   const Bin& b = bins_[i];
   const int vanished = b.vanished();
   if (vanished < kSeen || b.through > kMostLike * vanished) return false;
-  if (b.expected_scans >= kSeen && b.expected >= 0.6 * vanished && b.hits <= kMostLike * vanished) return true;
+  if (b.expected_scans >= kSeen && b.expected >= kExpectedShare * vanished && b.hits <= kMostLike * vanished)
+    return true;
   return answers_near_only(b);
 }
 
@@ -227,7 +230,7 @@ GlassPane GlassEvidence::pane(std::size_t from, std::size_t to) const {
     out.kind = GlassKind::kBlack;
     out.views = static_cast<std::size_t>(scans);
   } else {
-    out.kind = 4 * out.through < out.vanished ? GlassKind::kBlack : GlassKind::kGlass;
+    out.kind = kBlackOdds * out.through < out.vanished ? GlassKind::kBlack : GlassKind::kGlass;
   }
   // From one place a thing in front of the line looks like one on it; seen from elsewhere its shadow moves.
   for (const Witness& w : witnesses_) {

@@ -15,8 +15,8 @@ constexpr double kHabitSlow = 0.98;                             // weight of the
 constexpr double kRestM = 0.006, kRestRad = 0.003, kMovingM = 0.03, kTurningRad = 0.06;
 // Rest is told from motion where the two have been this far apart, and a scan within this share of that of rest.
 constexpr double kLeastContrast = 0.4, kNearStill = 0.35;
-constexpr int kInARow = 2;
-constexpr double kAtRestM = 0.005;
+constexpr int kInARow = 2;          // one scan may be like the last by chance
+constexpr double kAtRestM = 0.005;  // standard deviation of the motion of one at rest
 
 }  // namespace
 

@@ -1,33 +1,21 @@
 #include "phasescan/odometry/odometry.hpp"
 
-#include "phasescan/odometry/information.hpp"
-
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <vector>
+
+#include "phasescan/odometry/information.hpp"
 
 namespace phasescan {
 namespace {
 
-constexpr std::size_t kProbePoints = 64;  // points of the quick look that chooses among predictions
 constexpr double kStillM = 0.006, kStillRad = 0.003;
-constexpr double kMinUsualShare = 0.75;  // a prediction that explains less than this of what is usual is widened
 constexpr std::size_t kMinPoints = 12;
+constexpr double kBentM = 0.01;  // what the motion may bend a scan, two metres from the sensor, for it to stay as it is
 constexpr int kLostAfterJumps = 2;
 constexpr double kAfterGapShare = 0.8;  // a match after a gap that explains less than this of what is usual is chance
-constexpr double kLeastTrust = 0.6;     // wheels that agreed less often lately are not heard
-constexpr double kContradiction =
-    11.3;  // squared Mahalanobis distance (99 %) beyond which a step of the wheels is outvoted
-constexpr double kDoubtfulM = 0.15;  // standard deviation since the last keyframe that asks for another
-constexpr double kChangeM = 0.025, kChangeRad = 0.06;  // how much the motion per scan changes from one to the next
+constexpr double kDoubtfulM = 0.15;     // standard deviation since the last keyframe that asks for another
 const Eigen::Vector3d kUnknownStep(0.05 * 0.05, 0.05 * 0.05, 0.1 * 0.1);
-
-Pose2 scaled(const Pose2& step, double factor) {
-  const Twist2 t = log_pose(step);
-  return exp_twist({t.vx * factor, t.vy * factor, t.omega * factor});
-}
 
 /// The middle of a scan's turn after its stamp [s].
 double middle_s(const Scan& scan, double duration_s) {
@@ -50,100 +38,24 @@ void Odometry::extract(const Scan& scan, const LaserMount& mount, const Twist2& 
   to_map_points(surface_, at_mid, options_.map_range_m, *points_);
 }
 
-Pose2 Odometry::predict(const std::optional<Pose2>& wheel_step, double periods, double* best_score) const {
-  std::vector<Pose2> steps = {scaled(step_, periods), Pose2{}};
-  if (wheel_step) {
-    steps.push_back(*wheel_step);
-    steps.push_back({-wheel_step->x, -wheel_step->y, wheel_step->theta});
-  }
-  const std::size_t stride = std::max<std::size_t>(1, points_->size() / kProbePoints);
-  const Pose2 T_map_last = map_.T_world_map().inverse() * T_odom_mid_;
-  Pose2 best = steps[0];
-  *best_score = -1.0;
-  const auto consider = [&](const Pose2& candidate, double handicap) {
-    const double score = pose_score(map_, *points_, T_map_last * candidate, stride) - handicap;
-    if (score > *best_score) *best_score = score, best = candidate;
-  };
-  for (std::size_t i = 0; i < steps.size(); ++i) consider(steps[i], i == 0 || i == 2 ? 0.0 : 0.02);
-  if (*best_score < kMinUsualShare * usual_score_) {
-    // None explains the scan as scans usually are: perhaps a turn began.
-    const Pose2 centre = best;
-    for (int k = 1; k <= 8; ++k) {
-      for (const double side : {-1.0, 1.0}) {
-        const double turn = side * k * 0.06;
-        consider({centre.x, centre.y, wrap_angle(centre.theta + turn)}, 0.02);
-      }
-    }
-  }
-  return best;
-}
-
-PosePrior Odometry::make_prior(const Pose2& mean, Eigen::Matrix3d covariance, double periods) const {
-  double change_m = kChangeM, change_rad = kChangeRad;
-  if (steadiness_.jumps()) {
-    change_m = std::max(change_m, steadiness_.change_m());
-    change_rad = std::max(change_rad, steadiness_.change_rad());
-  }
-  covariance.diagonal() += Eigen::Vector3d(change_m * change_m, change_m * change_m, change_rad * change_rad);
-  covariance *= periods * periods;
-  PosePrior prior;
-  prior.T_map_base = map_.T_world_map().inverse() * T_odom_mid_ * mean;
-  // The points of a scan are not independent of each other: the prior is weighed against a share of what they claim.
-  prior.information = rotate_information(covariance.inverse() / kMatchTrust, prior.T_map_base.theta);
-  return prior;
-}
-
-Pose2 Odometry::hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const {
-  if (wheels_.trust_distance() < kLeastTrust || wheels_.trust_turn() < kLeastTrust) return moved;
-  const double sigma_m = (0.01 + 0.06 * std::hypot(wheel_step.x, wheel_step.y)) / wheels_.trust_distance();
-  const double sigma_rad = (0.01 + 0.08 * std::abs(wheel_step.theta)) / wheels_.trust_turn();
-  const Eigen::Vector3d variance(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
-  // In the frame of the new base, as `known` is.
-  const Pose2 off = moved.inverse() * wheel_step;
-  const Eigen::Vector3d d(off.x, off.y, off.theta);
-  const Eigen::Matrix3d spread = known.inverse() + Eigen::Matrix3d(variance.asDiagonal());
-  const double contradiction = d.dot(spread.inverse() * d);
-  if (contradiction > kContradiction) return moved;
-  // The more they differ from what was seen, the less they are heard: wheels lie by kind, not by chance.
-  const double heard = 1.0 / ((1.0 + contradiction) * (1.0 + contradiction));
-  const Eigen::Matrix3d wheels = (heard * variance.cwiseInverse()).asDiagonal();
-  const Eigen::Matrix3d sum = known + wheels;
-  const Eigen::Vector3d shift = sum.inverse() * (wheels * d);
-  known = sum;
-  return moved * Pose2{shift.x(), shift.y(), shift.z()};
-}
-
-Eigen::Matrix3d Odometry::grow_information(const Eigen::Matrix3d& matched, const Eigen::Matrix3d& known,
-                                           const Pose2& moved) {
-  // Where the match sees, it sees relative to the map; where it does not, every step adds its own doubt.
-  const Eigen::Matrix3d only_step = known - matched;
-  Eigen::Matrix3d doubt = rotate_information(since_keyframe_, -moved.theta);
-  doubt += (only_step + Eigen::Matrix3d(Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal())).inverse();
-  since_keyframe_ = (matched + doubt.inverse()).inverse();
-  since_keyframe_ = 0.5 * (since_keyframe_ + since_keyframe_.transpose().eval());
-  return since_keyframe_.inverse();
-}
-
 OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& wheel) {
   OdometryStep step;
   const ScanTiming timing = clock_.add(scan);
   steadiness_.set_period(timing.period_s);
   std::optional<Pose2> wheel_step = options_.use_wheels ? wheels_.step(wheel) : std::nullopt;
-  const double seconds = timing.period_s > 0.0 ? timing.period_s * timing.periods : 0.0;
+  const double seconds = timing.period_s * timing.periods;  // 0: not known
   Twist2 twist = twist_;
-  if (wheel_step && wheels_.trust_turn() > 0.6 && seconds > 0.0) twist.omega = wheel_step->theta / seconds;
+  if (wheel_step && wheels_.trust_turn() >= kLeastTrust && seconds > 0.0) twist.omega = wheel_step->theta / seconds;
   extract(scan, mount, twist, timing.duration_s);
 
   if (!started_) {
-    started_ = true;
-    if (points_->with_normal >= kMinPoints) {
+    started_ = points_->with_normal >= kMinPoints;
+    if (started_) {
       step.tracked = true;
       step.overlap = 1.0;
       insert_keyframe(step);
       net_.remember(scan, mount, T_odom_mid_, {});
       if (options_.deskew && timing.duration_s > 0.0) first_ = First{scan, mount, timing.duration_s, points_};
-    } else {
-      started_ = false;
     }
     return step;
   }
@@ -155,7 +67,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   }
   const Pose2 predicted = predict(wheel_step, timing.periods, &score);
   // Robots keep on doing what they did.
-  Pose2 mean = scaled(step_, timing.periods);
+  Pose2 mean = exp_twist(log_pose(step_), timing.periods);
   mean.theta = predicted.theta;
   PosePrior prior = make_prior(mean, step_covariance_, timing.periods);
   habits_.add(surface_);
@@ -172,7 +84,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
       const Twist2 better = log_pose((T_map_odom * T_odom_mid_).inverse() * found.T_map_base);
       const Twist2 now{better.vx / seconds, better.vy / seconds, better.omega / seconds};
       const double change = std::hypot(now.vx - twist.vx, now.vy - twist.vy) + 2.0 * std::abs(now.omega - twist.omega);
-      if (change * timing.duration_s > 0.01) {
+      if (change * timing.duration_s > kBentM) {
         extract(scan, mount, now, timing.duration_s);
         RegistrationOptions again;
         again.gate_start_m = 0.15;
@@ -207,14 +119,14 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step_covariance_ = known.inverse() / (timing.periods * timing.periods);
     step.information = grow_information(seen, known, moved);
     untracked_ = 0;
-    steadiness_.add(scaled(step_, timing.periods).inverse() * moved);
+    steadiness_.add(exp_twist(log_pose(step_), timing.periods).inverse() * moved);
     usual_score_ = kSlow * usual_score_ + (1.0 - kSlow) * std::max(score, 0.0);
-    step_ = scaled(moved, 1.0 / timing.periods);
+    step_ = exp_twist(log_pose(moved), 1.0 / timing.periods);
     habits_.learn(step_, sees_both_ways(seen));
   } else {
     ++untracked_;
-    if (wheel_step && wheels_.trust_distance() > 0.6) moved = *wheel_step;
-    step_ = scaled(step_, 0.5);
+    if (wheel_step && wheels_.trust_distance() >= kLeastTrust) moved = *wheel_step;
+    step_ = exp_twist(log_pose(step_), 0.5);
     step_covariance_ = kUnknownStep.asDiagonal();
     since_keyframe_ += kUnknownStep.asDiagonal();
     step.information = since_keyframe_.inverse();
@@ -229,11 +141,11 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   hold_still(step);
   T_odom_mid_ = step.T_odom_mid;
   step.twist = twist_;
-  // The stamp lies half a turn before the middle: between the last middle and this one where turns follow each other
-  // closely.
+  // The stamp lies half a turn before the middle, between the last middle and this one where turns follow each other
+  // closely; behind it where beams are listed last to first.
   if (timing.duration_s > 0.0 && seconds > 0.0) {
-    const double back = std::clamp(0.5 * timing.duration_s / seconds, 0.0, 1.0);
-    step.T_odom_stamp = T_odom_before * scaled(T_odom_before.inverse() * T_odom_mid_, 1.0 - back);
+    const double back = std::clamp(middle_s(scan, timing.duration_s) / seconds, -1.0, 1.0);
+    step.T_odom_stamp = T_odom_before * exp_twist(log_pose(T_odom_before.inverse() * T_odom_mid_), 1.0 - back);
   } else {
     step.T_odom_stamp = T_odom_mid_;
   }

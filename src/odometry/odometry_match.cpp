@@ -74,10 +74,10 @@ void Odometry::catch_fall(const Scan& scan, const LaserMount& mount, const Pose2
   // The match knows more of the pose now than the motion model does.
   PosePrior by_match;
   by_match.T_map_base = map_.T_world_map().inverse() * (caught->T_odom_base * T_stamp_mid);
-  const double heading = by_match.T_map_base.theta - T_stamp_mid.theta;
   // A match in doubt is a place to begin at, no more.
-  by_match.information =
-      caught->sure ? rotate_information(caught->covariance.inverse() / kMatchTrust, heading) : prior.information;
+  by_match.information = caught->sure
+                             ? rotate_information(caught->covariance.inverse() / kMatchTrust, -map_.T_world_map().theta)
+                             : prior.information;
   if (!by_match.information.allFinite()) return;
   if (!caught->sure) {
     // One in doubt may be the twin of the right one.

@@ -24,9 +24,15 @@ std::optional<SafetyNet::Catch> SafetyNet::find(const Scan& scan, const LaserMou
   const MatchResult match = matcher_.match(*scan_, scan, hints);
   if (!match.usable && !(doubtful && match.overlap > kLeastOverlap)) return std::nullopt;
   Pose2 T_ref_scan = match.T_ref_scan;
-  if (mount.flipped) T_ref_scan = {T_ref_scan.x, -T_ref_scan.y, -T_ref_scan.theta};
-  return Catch{T_odom_stamp_ * mount_.T_base_laser * T_ref_scan * mount.T_base_laser.inverse(),
-               rotate_information(match.covariance, mount_.T_base_laser.theta), match.usable};
+  Eigen::Matrix3d covariance = match.covariance;
+  if (mount.flipped) {
+    T_ref_scan = {T_ref_scan.x, -T_ref_scan.y, -T_ref_scan.theta};
+    const Eigen::Vector3d mirror(1.0, -1.0, -1.0);
+    covariance = mirror.asDiagonal() * match.covariance * mirror.asDiagonal();
+  }
+  const Pose2 T_odom_ref = T_odom_stamp_ * mount_.T_base_laser;
+  return Catch{T_odom_ref * T_ref_scan * mount.T_base_laser.inverse(), rotate_information(covariance, T_odom_ref.theta),
+               match.usable};
 }
 
 }  // namespace phasescan

@@ -8,6 +8,7 @@
 #include "phasescan/io/map_file.hpp"
 #include "phasescan/report/chart.hpp"
 #include "phasescan/report/html.hpp"
+#include "phasescan/report/svg.hpp"
 
 namespace phasescan {
 namespace {
@@ -29,12 +30,23 @@ class MapPicture {
         width_m_ * scale_, height_m_ * scale_, base64(format_png(map)));
   }
 
-  void way(std::span<const Pose2> poses, std::string_view color, double width) {
+  /// Those stretches of a way whose `flags` are `wanted`; without flags all of it, as one that is wanted.
+  void way(std::span<const Pose2> poses, std::span<const char> flags, bool wanted, const Stroke& stroke) {
     const std::size_t stride = std::max<std::size_t>(1, poses.size() / kMostPoints);
-    body_ += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" points=\"", color, width);
-    for (std::size_t i = 0; i < poses.size(); i += stride)
-      body_ += fmt::format("{:.1f},{:.1f} ", px(poses[i].x), py(poses[i].y));
-    body_ += "\"/>";
+    const auto is_wanted = [&](std::size_t i) { return (i >= flags.size() || flags[i] != 0) == wanted; };
+    for (std::size_t begin = 0; begin < poses.size();) {
+      std::size_t end = begin;
+      while (end < poses.size() && is_wanted(end) == is_wanted(begin)) ++end;
+      if (is_wanted(begin)) {
+        body_ +=
+            fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"{} points=\"", stroke.color,
+                        stroke.width, stroke.dash.empty() ? "" : fmt::format(" stroke-dasharray=\"{}\"", stroke.dash));
+        for (std::size_t i = begin; i < end; i += stride)
+          body_ += fmt::format("{:.1f},{:.1f} ", px(poses[i].x), py(poses[i].y));
+        body_ += "\"/>";
+      }
+      begin = end;
+    }
   }
 
   void link(const Pose2& a, const Pose2& b, std::string_view color) {
@@ -162,8 +174,14 @@ std::string format_slam_report(const SlamReport& report) {
   if (report.map) {
     MapPicture picture(*report.map);
     for (const GlassPane& pane : report.glass) picture.pane(pane);
-    picture.way(report.trajectory, palette::kBlue, 1.5);
+    picture.way(report.trajectory, report.on_map, false, {std::string(palette::kMuted), 1.2, "5 4"});
+    picture.way(report.trajectory, report.on_map, true, {std::string(palette::kBlue), 1.5});
     std::string caption = "White: free, black: occupied, grey: unknown. Blue: the way of the robot.";
+    if (const auto left_out = std::count(report.on_map.begin(), report.on_map.end(), 0); left_out > 0) {
+      caption += fmt::format(
+          " Dashed: {} scans that nothing ties to this map; it is not drawn from them, and where they lie is a guess.",
+          left_out);
+    }
     if (!report.glass.empty()) caption += " " + glass_legend(report.glass);
     html.figure(picture.str(), caption);
   }
@@ -175,19 +193,29 @@ std::string format_slam_report(const SlamReport& report) {
   html.heading("Loops");
   if (report.map && report.graph) {
     MapPicture picture(*report.map);
-    picture.way(report.odometry, palette::kOrange, 1.2);
-    picture.way(report.trajectory, palette::kBlue, 1.2);
+    picture.way(report.odometry, report.on_map, true, {std::string(palette::kOrange), 1.2});
+    picture.way(report.trajectory, report.on_map, true, {std::string(palette::kBlue), 1.2});
     const auto& poses = report.graph->poses();
-    std::size_t loops = 0;
-    for (const PoseEdge& e : report.graph->edges()) loops += e.robust && e.enabled;
+    const auto is_drawn = [&](int from, int to) {
+      const auto on_map = [&](int node) {
+        const auto k = static_cast<std::size_t>(node);
+        return k >= report.node_on_map.size() || report.node_on_map[k] != 0;
+      };
+      return on_map(from) && on_map(to);
+    };
+    const auto holds = [&](const PoseEdge& e) { return e.robust && e.enabled && is_drawn(e.from, e.to); };
+    const auto loops =
+        static_cast<std::size_t>(std::count_if(report.graph->edges().begin(), report.graph->edges().end(), holds));
     const std::size_t stride = std::max<std::size_t>(1, loops / 2000);
     std::size_t n = 0;
     for (const PoseEdge& e : report.graph->edges()) {
-      if (e.robust && e.enabled && n++ % stride == 0)
+      if (holds(e) && n++ % stride == 0)
         picture.link(poses[static_cast<std::size_t>(e.from)], poses[static_cast<std::size_t>(e.to)], palette::kGreen);
     }
-    for (const auto& [from, to] : report.undone)
-      picture.link(poses[static_cast<std::size_t>(from)], poses[static_cast<std::size_t>(to)], palette::kVermillion);
+    for (const auto& [from, to] : report.undone) {
+      if (is_drawn(from, to))
+        picture.link(poses[static_cast<std::size_t>(from)], poses[static_cast<std::size_t>(to)], palette::kVermillion);
+    }
     html.figure(
         picture.str(),
         "Orange: the way before loops (laser odometry alone), blue: with them. Green: loops that hold, red: loops that were taken out again.");

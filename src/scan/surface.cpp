@@ -115,8 +115,8 @@ RangeNoise estimate_noise(const SurfacePoints& points, SurfaceWorkspace& work) {
     sigma[half] = kToSigma * median_of(work.scratch);
     range[half] = median_of(work.scratch2);
   }
-  const double near_floor = std::max(kMinFloor, 0.25 * sigma[1]);
-  noise.floor_m = static_cast<float>(std::clamp(sigma[0], near_floor, 0.05 * std::max(range[0], 0.2)));
+  const double most = 0.05 * std::max(range[0], 0.2);
+  noise.floor_m = static_cast<float>(std::clamp(sigma[0], std::min(std::max(kMinFloor, 0.25 * sigma[1]), most), most));
   const double far_rate = range[1] > 0.0 ? sigma[1] / range[1] : 0.01;
   noise.per_metre = static_cast<float>(std::clamp(far_rate, 0.001, 0.03));
   return noise;

@@ -10,11 +10,13 @@
 namespace phasescan {
 namespace {
 
-constexpr int kNodesPerOptimize = 60;
+constexpr int kNodesPerOptimize = 60;  // small loops can wait: they hardly move the map
 // Doubt of a step beyond the usual counts as so much way.
 constexpr double kSmallDoubtM = 0.05, kWayPerDoubt = 100.0;
-constexpr int kFinalRounds = 2;
-constexpr double kNoKernel = 1e6;      // standard deviations: no loop is that far off
+constexpr int kFinalRounds = 2;        // the second finds what came near only by the first
+constexpr double kMetresPerRad = 0.3;  // way that a turn counts as
+constexpr double kTakeBack = 0.3;  // of undo_chi2: a loop that fits this well again is taken back; between, all stays
+constexpr double kNoKernel = 1e6;  // standard deviations: no loop is that far off
 constexpr double kMostStepChi2 = 6.0;  // of three numbers: twice what noise alone gives a step
 
 }  // namespace
@@ -62,7 +64,7 @@ void Backend::add_keyframe(Keyframe keyframe) {
   const Pose2 step = last.T_node_keyframe() * (T_odom_last_.inverse() * keyframe.T_odom_base);
   const int node = graph_.add_node(graph_.poses()[static_cast<std::size_t>(last.node)] * step);
   const double distance = std::hypot(step.x, step.y);
-  const double way = distance + 0.3 * std::abs(step.theta) + (keyframe.new_segment ? kBreakM : 0.0);
+  const double way = distance + kMetresPerRad * std::abs(step.theta) + (keyframe.new_segment ? kBreakM : 0.0);
   since_loop_m_ += way;
   way_m_.push_back(way_m_.back() + way);
   PoseEdge edge;
@@ -136,7 +138,7 @@ void Backend::undo_contradicted() {
     if (edge.enabled && chi2 > options_.loops.undo_chi2) {
       graph_.set_enabled(static_cast<int>(i), false);
       changed = true;
-    } else if (!edge.enabled && chi2 < 0.3 * options_.loops.undo_chi2) {
+    } else if (!edge.enabled && chi2 < kTakeBack * options_.loops.undo_chi2) {
       graph_.set_enabled(static_cast<int>(i), true);
       changed = true;
     }

@@ -20,7 +20,8 @@ constexpr double kCorridor = 0.02;  // ratio of information below which a direct
 constexpr double kSlideStepM = 0.1;
 constexpr int kSlideSteps = 10;
 constexpr double kOutOfReachM = 1.0;    // loops farther off than this do not draw the graph by themselves
-constexpr double kUntiedOverlap = 0.2;  // more of it than of others is asked of a loop between pieces
+constexpr double kUntiedOverlap = 0.2;  // more of it than of others is asked of a loop between pieces,
+constexpr double kMostAsked = 0.9;      // but never more than a good match of one place has
 constexpr double kSlideGain = 0.01;     // of the score, for a slide to be worth it
 
 /// Whether a match holds the pose in every direction to a decimetre: in a bare corridor it does not.
@@ -101,10 +102,12 @@ const LocalMap& Backend::visit_map(int anchor) {
   const auto& poses = graph_.poses();
   map.reset(poses[static_cast<std::size_t>(anchor)], options_.odometry.map_range_m + 5.0, options_.odometry.cell_m);
   const int last = static_cast<int>(keyframes_.size()) - 1;
-  for (int k = std::max(0, anchor - kVisitNodes); k <= std::min(last, anchor + kVisitNodes); ++k) {
-    if (k > anchor && keyframes_[static_cast<std::size_t>(k)].new_segment) break;
+  // Where tracking broke the visit ends: how the two sides lie to each other is a guess.
+  int from = anchor, to = anchor;
+  while (from > std::max(0, anchor - kVisitNodes) && !keyframes_[static_cast<std::size_t>(from)].new_segment) --from;
+  while (to < std::min(last, anchor + kVisitNodes) && !keyframes_[static_cast<std::size_t>(to) + 1].new_segment) ++to;
+  for (int k = from; k <= to; ++k)
     map.add(*keyframes_[static_cast<std::size_t>(k)].points, poses[static_cast<std::size_t>(k)]);
-  }
   map.finish();
   return map;
 }
@@ -144,8 +147,8 @@ std::optional<Loop> Backend::compare(int other, int node, const Pose2& T_world_n
 
 void Backend::find_loops(int node) {
   const double uncertainty_m = std::min(3.0, kDriftPerMetre * since_loop_m_);
-  const bool untied = piece_of(node) != piece_of(0) || piece_.size() > 1;
-  for (const int anchor : nearby_visits(node, untied ? node - 1 : node - options_.loops.min_nodes_apart)) {
+  const bool broke = piece_.size() > 1;  // what was just before may be another piece
+  for (const int anchor : nearby_visits(node, broke ? node - 1 : node - options_.loops.min_nodes_apart)) {
     const std::optional<Loop> loop =
         compare(anchor, node, graph_.poses()[static_cast<std::size_t>(node)], uncertainty_m);
     if (loop) believe(*loop);
@@ -160,12 +163,15 @@ int Backend::piece_of(int node) const {
 }
 
 std::vector<Loop> Backend::judged(LoopJudge& judge, const Loop& loop) {
-  const int a = piece_of(loop.from), b = piece_of(loop.to);
-  if (a == b) return judge.add(loop, graph_.poses());
+  const bool tied = piece_of(loop.from) == piece_of(loop.to);
   // Where a piece stands that nothing ties is a guess: a loop that agrees with it is worth no more than another.
-  if (loop.overlap < std::min(0.9, options_.loops.min_overlap + kUntiedOverlap)) return {};
-  std::vector<Loop> believed = judge.add(loop, graph_.poses(), -options_.loops.small_error_m);
-  if (!believed.empty()) piece_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  if (!tied && loop.overlap < std::min(kMostAsked, options_.loops.min_overlap + kUntiedOverlap)) return {};
+  std::vector<Loop> believed = judge.add(loop, graph_.poses(), tied ? 0.0 : -options_.loops.small_error_m);
+  // Those that waited may tie other pieces than this one.
+  for (const Loop& l : believed) {
+    const int a = piece_of(l.from), b = piece_of(l.to);
+    piece_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
   return believed;
 }
 

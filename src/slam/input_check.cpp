@@ -23,7 +23,7 @@ std::size_t fingerprint_of(const Scan& scan) {
   return h;
 }
 
-std::string seconds(Stamp from, Stamp to) {
+std::string milliseconds(Stamp from, Stamp to) {
   const double s = std::abs(stamp_to_seconds(to - from));
   return std::to_string(std::llround(s * 1000.0)) + " ms";
 }
@@ -54,14 +54,15 @@ bool InputCheck::add(const Scan& scan, const std::string& laser, const std::opti
     if (repeated) note("repeated scan", true, where + ": the same scan as the one before; it counts once");
     if (step < -kReorderedS)
       note("time going backwards", true,
-           where + ": time goes back by " + seconds(last.stamp, scan.stamp) + "; the order of the file is kept");
+           where + ": time goes back by " + milliseconds(last.stamp, scan.stamp) + "; the order of the file is kept");
     if (step < 0.0 && step >= -kReorderedS)
       note("stamps out of order", false,
-           where + ": stamps out of order by " + seconds(last.stamp, scan.stamp) + "; the order of the file is kept");
+           where + ": stamps out of order by " + milliseconds(last.stamp, scan.stamp) +
+               "; the order of the file is kept");
     if (step == 0.0 && !repeated)
       note("same stamp", false,
            where + ": another scan with the stamp of the one before; nothing is read from their times");
-    if (step > kGapS) note("gap", false, where + ": no scan for " + seconds(last.stamp, scan.stamp));
+    if (step > kGapS) note("gap", false, where + ": no scan for " + milliseconds(last.stamp, scan.stamp));
     if (scan.size() != last.beams)
       note("beam count changes", false,
            where + ": " + std::to_string(scan.size()) + " beams after " + std::to_string(last.beams));

@@ -11,8 +11,9 @@
 namespace phasescan {
 namespace {
 
-constexpr std::size_t kMaxKeyframes = 24;
-constexpr double kMostM = 0.15, kMostRad = 0.06;  // a polish moves a pose less than this
+constexpr std::size_t kMaxKeyframes = 24;                  // that make the map of what is around one
+constexpr double kLeastPeriods = 0.3, kMostPeriods = 3.0;  // between two scans that tell of the motion during a turn
+constexpr double kMostM = 0.15, kMostRad = 0.06;           // a polish moves a pose less than this
 
 /// A message that was passed over because it is the one before once more.
 bool repeats(const ScanRecord& before, const ScanRecord& now) {
@@ -31,6 +32,7 @@ std::vector<Pose2> polish_trajectory(const Backend& backend, const ScanStore& sc
   MapPoints points;
   ScanClock clock;
   int built_for = -1;
+  std::size_t before = 0;  // the scan before that was no repetition
   for (std::size_t i = 0; i < records.size(); ++i) {
     const Scan scan = scans.scan(i);
     const ScanTiming timing = clock.add(scan);
@@ -43,13 +45,21 @@ std::vector<Pose2> polish_trajectory(const Backend& backend, const ScanStore& sc
       built_for = records[i].keyframe;
       backend.build_surroundings(built_for, kMaxKeyframes, map);
     }
-    // The motion during this turn is the way to the next scan.
+    // The motion during this turn is the way to the next scan, or from the one before where beams are listed last to
+    // first.
+    std::size_t from = i, to = i;
+    if (scan.time_increment < 0.0) {
+      from = before;
+    } else {
+      do ++to;
+      while (to < records.size() && repeats(records[to - 1], records[to]));
+    }
+    before = i;
     Twist2 twist;
-    const double seconds = timing.period_s * timing.periods;
-    if (options.deskew && timing.duration_s > 0.0 && seconds > 0.0 && i + 1 < records.size()) {
-      const double step_s = stamp_to_seconds(records[i + 1].stamp - records[i].stamp);
-      if (step_s > 0.3 * timing.period_s && step_s < 3.0 * timing.period_s) {
-        const Twist2 t = log_pose(guess[i].inverse() * guess[i + 1]);
+    if (options.deskew && timing.duration_s > 0.0 && timing.period_s > 0.0 && to < records.size()) {
+      const double step_s = stamp_to_seconds(records[to].stamp - records[from].stamp);
+      if (step_s > kLeastPeriods * timing.period_s && step_s < kMostPeriods * timing.period_s) {
+        const Twist2 t = log_pose(guess[from].inverse() * guess[to]);
         twist = {t.vx / step_s, t.vy / step_s, t.omega / step_s};
       }
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace phasescan {
 namespace {
@@ -10,6 +11,7 @@ constexpr float kUnit = 0.002F;            // [m]
 constexpr std::uint16_t kLargest = 65000;  // codes above it are reasons
 
 std::uint16_t encode(float range, BeamState state) {
+  if (state == BeamState::kHit && range > kUnit * static_cast<float>(kLargest)) state = BeamState::kOutOfRange;
   if (state != BeamState::kHit) return static_cast<std::uint16_t>(kLargest + static_cast<int>(state));
   return static_cast<std::uint16_t>(std::clamp(std::round(range / kUnit), 1.0F, static_cast<float>(kLargest)));
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <span>
 
 #include "phasescan/slam/polish.hpp"
 
@@ -11,7 +12,11 @@ namespace phasescan {
 /// The backend's thread, if there is one: at most one batch is in work.
 struct Slam::Worker {
   std::future<void> running;
-  void wait() {
+  /// Until the batch is done; what went wrong in it is thrown by get().
+  void wait() const {
+    if (running.valid()) running.wait();
+  }
+  void get() {
     if (running.valid()) running.get();
   }
 };
@@ -26,7 +31,12 @@ Slam::Slam(const SlamOptions& options, int threads)
 }
 
 Slam::~Slam() {
-  if (worker_ && worker_->running.valid()) worker_->running.wait();
+  worker_->wait();
+}
+
+const Backend& Slam::backend() const {
+  worker_->wait();
+  return *backend_;
 }
 
 OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& odometry) {
@@ -36,6 +46,7 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
     Keyframe& first = batch_.front();
     first.T_mid_stamp = step.T_odom_first->inverse() * (first.T_odom_base * first.T_mid_stamp);
     first.T_odom_base = *step.T_odom_first;
+    first.twist = step.twist;  // near enough: what unbent its points
     const Pose2 T_keyframe_stamp = step.T_odom_first->inverse();
     for (ScanRecord& r : records_) {
       if (r.keyframe < 0) continue;
@@ -69,8 +80,9 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
   records_.push_back({scan.stamp, keyframes_ - 1, static_cast<float>(relative.x), static_cast<float>(relative.y),
                       static_cast<float>(relative.theta)});
   if (!options_.slam.bounded_memory && (step.is_keyframe || options_.slam.polish)) store_.add(scan, mount);
-  // The first keyframe waits for the second scan, which may still unbend it.
-  if (records_.size() > 1 && batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
+  // The first keyframe waits for the next scan, which may still unbend it.
+  const bool may_change = step.is_keyframe && keyframes_ == 1;
+  if (!may_change && batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
   return step;
 }
 
@@ -83,7 +95,7 @@ void Slam::repeat(const Scan& scan, const LaserMount& mount) {
 
 void Slam::hand_over() {
   const double before = thread_cpu_seconds();
-  worker_->wait();
+  worker_->get();
   std::vector<Keyframe> batch;
   batch.swap(batch_);
   if (threads_ > 1) {
@@ -97,7 +109,7 @@ void Slam::hand_over() {
 
 void Slam::finish() {
   if (!batch_.empty()) hand_over();
-  worker_->wait();
+  worker_->get();
   backend_->finish();
   if (options_.slam.polish && !options_.slam.bounded_memory && !records_.empty()) {
     polished_ = polish_trajectory(*backend_, store_, trajectory(), records_, options_.odometry);
@@ -106,22 +118,22 @@ void Slam::finish() {
 
 std::vector<Pose2> Slam::trajectory() const {
   if (!records_.empty() && polished_.size() == records_.size()) return polished_;
-  return anchored(backend_->handed_in_poses());
+  return anchored(backend().handed_in_poses());
 }
 
 std::optional<Pose2> Slam::pose_on_map(std::size_t scan) const {
   const ScanRecord& r = records_.at(scan);
-  if (r.keyframe < 0 || static_cast<std::size_t>(r.keyframe) >= backend_->handed_in()) return std::nullopt;
-  return backend_->handed_in_pose(static_cast<std::size_t>(r.keyframe)) *
+  if (r.keyframe < 0 || static_cast<std::size_t>(r.keyframe) >= backend().handed_in()) return std::nullopt;
+  return backend().handed_in_pose(static_cast<std::size_t>(r.keyframe)) *
          Pose2{static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.theta)};
 }
 
 PlacedScan Slam::placed_keyframe(std::size_t i) const {
   const bool polished = !records_.empty() && polished_.size() == records_.size();
-  const Keyframe& keyframe = backend_->keyframes()[i];
+  const Keyframe& keyframe = backend().keyframes()[i];
   const LaserMount& mount = keyframe.mount;
   const Pose2 T_map_stamp =
-      polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend_->poses()[i] * keyframe.T_mid_stamp;
+      polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend().poses()[i] * keyframe.T_mid_stamp;
   PlacedScan placed;
   placed.scan = keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored);
   placed.T_map_laser = T_map_stamp * mount.T_base_laser;
@@ -133,23 +145,29 @@ PlacedScan Slam::placed_keyframe(std::size_t i) const {
 
 std::vector<std::size_t> Slam::drawn_keyframes() const {
   std::vector<std::size_t> drawn;
-  const MapPieces pieces = backend_->pieces();
+  const MapPieces pieces = backend().pieces();
   for (std::size_t i = 0; i < pieces.of_node.size(); ++i) {
     if (!options_.slam.largest_piece || pieces.in_largest(i)) drawn.push_back(i);
   }
   return drawn;
 }
 
-std::size_t Slam::scans_left_out() const {
-  if (!options_.slam.largest_piece) return 0;
-  const MapPieces pieces = backend_->pieces();
-  std::size_t count = 0;
-  for (const ScanRecord& r : records_) {
-    const auto k = static_cast<std::size_t>(r.keyframe);
-    if (r.keyframe < 0 || k >= backend_->handed_in()) continue;
-    count += !pieces.in_largest(static_cast<std::size_t>(backend_->node_of(k)));
+std::vector<char> Slam::on_map() const {
+  std::vector<char> on(records_.size(), 1);
+  if (!options_.slam.largest_piece) return on;
+  const Backend& map = backend();
+  const MapPieces pieces = map.pieces();
+  for (std::size_t i = 0; i < on.size(); ++i) {
+    const auto k = static_cast<std::size_t>(records_[i].keyframe);
+    if (records_[i].keyframe < 0 || k >= map.handed_in()) continue;
+    on[i] = pieces.in_largest(static_cast<std::size_t>(map.node_of(k)));
   }
-  return count;
+  return on;
+}
+
+std::size_t Slam::scans_left_out() const {
+  const std::vector<char> on = on_map();
+  return static_cast<std::size_t>(std::count(on.begin(), on.end(), 0));
 }
 
 OccupancyGrid Slam::render_map() const {
@@ -166,17 +184,26 @@ std::vector<GlassPane> Slam::find_glass_panes(const OccupancyGrid& grid) const {
   const std::vector<std::size_t> drawn = drawn_keyframes();
   std::vector<GlassPane> panes = find_glass(
       drawn.size(), [&](std::size_t i) { return placed_keyframe(drawn[i]); }, grid, options_.glass);
-  return cut_where_driven(std::move(panes), trajectory(), options_.glass.keep_open_m, options_.glass.min_length_m);
+  // Where the robot drove on this map; where pieces that are not on it lie is a guess.
+  const std::vector<Pose2> poses = trajectory();
+  const std::vector<char> on = on_map();
+  for (auto begin = on.begin(); begin != on.end();) {
+    const auto end = std::find(begin, on.end(), 0);
+    const std::span<const Pose2> way(poses.begin() + (begin - on.begin()), poses.begin() + (end - on.begin()));
+    panes = cut_where_driven(std::move(panes), way, options_.glass.keep_open_m, options_.glass.min_length_m);
+    begin = std::find(end, on.end(), 1);
+  }
+  return panes;
 }
 
 std::vector<Pose2> Slam::odometry_trajectory() const {
-  return anchored(backend_->handed_in_poses(true));
+  return anchored(backend().handed_in_poses(true));
 }
 
 std::vector<Pose2> Slam::anchored(const std::vector<Pose2>& keyframe_poses) const {
   std::vector<Pose2> out;
   out.reserve(records_.size());
-  const std::vector<Pose2> odometry = backend_->handed_in_poses(true);
+  const std::vector<Pose2> odometry = backend().handed_in_poses(true);
   std::size_t begin = 0;
   while (begin < records_.size()) {
     const std::int32_t keyframe = records_[begin].keyframe;

@@ -144,7 +144,10 @@ TEST(Number, StampsKeepEveryNanosecond) {
   }
   EXPECT_EQ(parse_stamp("1700000000.1234567891"), 1'700'000'000'123'456'789);
   EXPECT_EQ(parse_stamp("1.5e3"), 1'500'000'000'000);
-  for (const char* text : {"", "now", "nan", "inf", "1e300", "1.2.3"}) EXPECT_FALSE(parse_stamp(text)) << text;
+  // What is accepted can be subtracted.
+  const Stamp latest = *parse_stamp("4599999999.999999999"), earliest = *parse_stamp("-4599999999.999999999");
+  EXPECT_GT(latest - earliest, 0);
+  for (const char* text : {"", "now", "nan", "inf", "1e300", "1.2.3", "4600000000", "-9e9"}) EXPECT_FALSE(parse_stamp(text)) << text;
 }
 
 }  // namespace

@@ -87,7 +87,8 @@ TEST(BrokenLogs, MinutesAtRestChangeNothing) {
 
 TEST(BrokenLogs, CarriedElsewhereForMinutesIsOneRightMapOrAnHonestHole) {
   int one_map = 0;
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+  // In 9 and 17 rooms look alike enough for a loop from a visit that the gap runs through.
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u, 17u}) {
     const Log log = flat(seed);
     const std::size_t third = log.scans.size() / 3;
     const Outcome out = run(with_gap(log, third, 2 * third, 420.0));

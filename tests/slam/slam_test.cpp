@@ -57,6 +57,41 @@ TEST(Slam, SameBytesForOneAndTwoThreadsAndTwice) {
   EXPECT_EQ(one.bytes, two.bytes);
 }
 
+TEST(Slam, WhatIsAskedForWhileABatchIsInWorkIsTheSameForOneAndTwoThreads) {
+  // A batch each keyframe, and a first scan with nothing in it: the scan after the first keyframe unbends that one.
+  const auto ask = [](int threads) {
+    SlamOptions options;
+    options.slam.batch_nodes = 1;
+    options.slam.polish = false;
+    const auto walls = two_rooms();
+    const auto tour = toy_tour(0.18, 0.5, 1.5);
+    Random random(8);
+    ToyLidar lidar;
+    lidar.turn_s = 0.18;
+    Slam slam(options, threads);
+    std::string said;
+    const auto say = [&said](const Pose2& p) {
+      said += std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.theta) + "\n";
+    };
+    slam.add(Scan{});
+    for (std::size_t i = 0; i + 1 < tour.size(); ++i) {
+      const Twist2 step = log_pose(tour[i].inverse() * tour[i + 1]);
+      const Twist2 twist{step.vx / 0.18, step.vy / 0.18, step.omega / 0.18};
+      slam.add(toy_scan(walls, tour[i], lidar, random, stamp_from_seconds(1.0 + 0.18 * static_cast<double>(i)), twist));
+      if (i % 5 != 0) continue;
+      for (const Pose2& p : slam.trajectory()) say(p);
+      for (const Pose2& p : slam.odometry_trajectory()) say(p);
+      if (const auto p = slam.pose_on_map(i)) say(*p);
+      said += std::to_string(slam.backend().loop_counts().compared) + "\n";
+    }
+    slam.finish();
+    return said + format_pgm(make_trinary(slam.render_map()));
+  };
+  const std::string one = ask(1);
+  EXPECT_GT(one.size(), 10000u);
+  EXPECT_TRUE(one == ask(2));
+}
+
 TEST(Slam, BoundedMemoryKeepsTheMapAndStopsGrowingInAKnownWorld) {
   SlamOptions options;
   options.slam.bounded_memory = true;
@@ -91,6 +126,30 @@ TEST(Slam, OnePosePerScanWhateverComes) {
   ASSERT_EQ(slam.trajectory().size(), 8u);
   for (const Pose2& p : slam.trajectory()) EXPECT_TRUE(p.is_finite());
   EXPECT_EQ(slam.trajectory()[7].x, slam.trajectory()[6].x);
+}
+
+TEST(Slam, TheFirstKeyframeIsDrawnAsUnbentAsTheOthers) {
+  ToyLidar lidar;
+  lidar.turn_s = 0.18;
+  const Twist2 turning{0.0, 0.0, 1.0};
+  Random random(4);
+  Slam slam;
+  for (int i = 0; i < 6; ++i) {
+    slam.add(toy_scan(two_rooms(), {0, 0, 0.18 * i}, lidar, random, stamp_from_seconds(1.0 + 0.18 * i), turning));
+  }
+  slam.finish();
+  EXPECT_NEAR(slam.backend().keyframes().front().twist.omega, 1.0, 0.1);
+}
+
+TEST(ScanStore, KeepsRangesAndReasonsAndMakesNoWallOfWhatIsTooFar) {
+  ScanStore store;
+  const Scan scan = make_scan(std::vector<float>{0.5F, 129.9F, 140.0F, 0.0F, 999.0F}, {0.0, 0.01, 0.1, 200.0});
+  const Scan kept = store.scan(store.add(scan, {}));
+  EXPECT_NEAR(kept.ranges[0], 0.5F, 0.0011F);
+  EXPECT_NEAR(kept.ranges[1], 129.9F, 0.0011F);
+  EXPECT_EQ(kept.states[2], BeamState::kOutOfRange);
+  EXPECT_EQ(kept.states[3], scan.states[3]);
+  EXPECT_EQ(kept.states[4], scan.states[4]);
 }
 
 TEST(Slam, NothingAtAllIsAnEmptyMap) {

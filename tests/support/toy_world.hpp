@@ -42,7 +42,7 @@ inline double toy_range(const std::vector<Wall>& walls, const Eigen::Vector2d& f
 struct ToyLidar {
   int beams = 360;
   double range_max = 8.0, noise = 0.008,
-         turn_s = 0.0;  ///< turn_s > 0: beams are fired one after the other while the robot moves
+         turn_s = 0.0;  ///< not 0: beams are fired one after the other while the robot moves; < 0: the last one first
   double field = kTwoPi;
 };
 
@@ -57,14 +57,14 @@ inline Scan toy_scan(const std::vector<Wall>& walls, const Pose2& T_world_laser,
   std::vector<float> ranges;
   for (int i = 0; i < lidar.beams; ++i) {
     const Pose2 pose =
-        lidar.turn_s > 0.0 ? T_world_laser * exp_twist(twist, lidar.turn_s * i / lidar.beams) : T_world_laser;
+        lidar.turn_s != 0.0 ? T_world_laser * exp_twist(twist, lidar.turn_s * i / lidar.beams) : T_world_laser;
     const double angle = g.angle_min + i * g.angle_increment;
     ranges.push_back(static_cast<float>(toy_range(walls, pose.translation(), pose.theta + (flipped ? -angle : angle)) +
                                         random.normal(0.0, lidar.noise)));
   }
   Scan scan = make_scan(ranges, g);
   scan.stamp = stamp;
-  scan.time_increment = lidar.turn_s > 0.0 ? lidar.turn_s / lidar.beams : 0.0;
+  scan.time_increment = lidar.turn_s / lidar.beams;
   return scan;
 }
 

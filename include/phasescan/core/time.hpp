@@ -11,9 +11,12 @@ namespace phasescan {
 /// Nanoseconds since the log's own epoch.
 using Stamp = std::int64_t;
 
-/// Nearest nanosecond; values outside the range of Stamp, and NaN, give 0.
+/// No stamp lies beyond (before 1824, after 2115): so the difference of any two is one as well.
+inline constexpr double kMostStampSeconds = 4.6e9;
+
+/// Nearest nanosecond; values beyond kMostStampSeconds, and NaN, give 0.
 inline Stamp stamp_from_seconds(double seconds) {
-  if (!(std::abs(seconds) < 9.2e9)) return 0;
+  if (!(std::abs(seconds) < kMostStampSeconds)) return 0;
   const double whole = std::floor(seconds);
   return static_cast<Stamp>(whole) * 1'000'000'000 + static_cast<Stamp>(std::llround((seconds - whole) * 1e9));
 }

@@ -38,9 +38,8 @@ struct GraphSummary {
 class PoseGraph {
  public:
   int add_node(const Pose2& pose);
-  /// @throws std::invalid_argument for a node that does not exist, a self edge, or an information matrix that is not
-  /// finite
-  ///         or not positive definite.
+  /// @throws std::invalid_argument for a node that does not exist, an edge from a node to itself, a pose that is not
+  /// finite, or an information matrix that is not finite or not positive definite.
   int add_edge(const PoseEdge& edge);
   void set_enabled(int edge, bool enabled) { edges_[static_cast<std::size_t>(edge)].enabled = enabled; }
   void set_pose(int node, const Pose2& pose) { poses_[static_cast<std::size_t>(node)] = pose; }
@@ -53,8 +52,8 @@ class PoseGraph {
   Pose2 edge_error(int edge) const;
   double edge_chi2(int edge) const;
 
-  /// Moves all nodes but the first to the least weighted squares [Grisetti10]. Deterministic: one thread, a fixed
-  /// order.
+  /// Moves all nodes but the first to the least weighted squares [Grisetti10]; where the solver fails they stay.
+  /// Deterministic: one thread, a fixed order.
   /// @cost sparse Cholesky per iteration: about 3 us a node for graphs of this kind
   GraphSummary optimize(const GraphOptions& options = {});
 

@@ -56,7 +56,8 @@ class Odometry {
   const ScanClock& clock() const { return clock_; }
 
  private:
-  static constexpr double kSlow = 0.95;  // weight of the past in what is usual
+  static constexpr double kSlow = 0.95;       // weight of the past in what is usual
+  static constexpr double kLeastTrust = 0.6;  // wheels that agreed less often lately are not heard
   struct WindowFrame {
     std::shared_ptr<const MapPoints> points;
     Pose2 T_odom_base;

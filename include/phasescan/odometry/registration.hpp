@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <span>
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/odometry/local_map.hpp"

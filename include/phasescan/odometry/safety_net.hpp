@@ -17,13 +17,12 @@ class SafetyNet {
  public:
   struct Catch {
     Pose2 T_odom_base;           ///< at the scan's stamp
-    Eigen::Matrix3d covariance;  ///< of (x, y, theta) in the frame of the remembered base
+    Eigen::Matrix3d covariance;  ///< of (x, y, theta) along the axes of odom
     bool sure = true;            ///< the match itself says that it can be trusted
   };
 
   /// @param twist  of the base during the scan
   void remember(const Scan& scan, const LaserMount& mount, const Pose2& T_odom_stamp, const Twist2& twist);
-  void forget() { scan_.reset(); }
 
   /// The pose of a scan by a global match (fft-mh); empty where the match itself says that it cannot be trusted, but
   /// for its best guess where `doubtful` ones are asked for.

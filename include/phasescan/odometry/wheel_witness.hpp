@@ -10,13 +10,13 @@
 namespace phasescan {
 
 /// What became of one step of wheel odometry.
-enum class WheelVerdict { kNone, kAgrees, kReversed, kSlip, kJump };
+enum class WheelVerdict { kNone, kAgrees, kReversed, kSlip };
 
 /// Follows wheel odometry from scan to scan.
 class WheelWitness {
  public:
   /// The wheels' own motion since the last call; empty at the start, after a scan without odometry and for a jump, a
-  /// step that no robot of this kind makes (over `jump_m` or `jump_rad`).
+  /// step that no robot of this kind makes (over 2 m or 2 rad).
   std::optional<Pose2> step(const std::optional<Pose2>& T_odom_base);
 
   /// Compares the wheels' step with what the scans found, and remembers.

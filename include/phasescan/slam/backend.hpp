@@ -28,8 +28,8 @@ struct LoopCounts {
   std::size_t outvoted = 0;  ///< never found company
 };
 
-/// Owns keyframes, loops and the graph. Only its own thread touches it between `add_batch` calls; its state depends on
-/// the batches alone, never on when they are worked on.
+/// Owns keyframes, loops and the graph. While `add_batch` runs nobody else may touch it; its state depends on the
+/// batches alone, never on when they are worked on.
 class Backend {
  public:
   explicit Backend(const SlamOptions& options);
@@ -59,7 +59,7 @@ class Backend {
   /// The node that a keyframe which was handed in stands at.
   int node_of(std::size_t handed_in) const { return handed_[handed_in].node; }
 
-  /// Builds the map of the surroundings of a pose from up to `max_keyframes` keyframes that look at the same place.
+  /// Builds the map of the surroundings of a node from up to `max_keyframes` keyframes that look at the same place.
   void build_surroundings(int node, std::size_t max_keyframes, LocalMap& map) const;
 
  private:
@@ -139,8 +139,8 @@ class Backend {
   std::vector<Keyframe> waiting_;           // bounded memory: keyframes that do not fit the map where they should be
   std::vector<Suspicion> suspicions_;       // of those
   static constexpr double kBreakM = 100.0;  // way that a break of tracking counts for
-  double since_fit_m_ = 0.0;                // way since a keyframe fitted the map
-  std::size_t sure_nodes_ = 0;              // nodes from before a break since which none did
+  double since_fit_m_ = 0.0;                // way of those that waited since one fitted; from kBreakM on: lost
+  std::size_t sure_nodes_ = 0;              // where lost: nodes from before that
   int nodes_at_optimize_ = 0;
   std::size_t new_edges_ = 0;
   bool large_correction_ = false;

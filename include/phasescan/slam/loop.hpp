@@ -27,7 +27,7 @@ class LoopJudge {
   explicit LoopJudge(const LoopOptions& options) : options_(options) {}
 
   /// @param poses  of the keyframes on the map, as they stand
-  /// @param uncertainty_m  how far the map may be off here; loops within it count as small
+  /// @param uncertainty_m  how far the map may be off here; loops within it count as small. -small_error_m: none does
   /// @return the loops that are believed now, perhaps earlier ones as well; empty while it has to wait
   std::vector<Loop> add(const Loop& loop, std::span<const Pose2> poses, double uncertainty_m = 0.0);
 

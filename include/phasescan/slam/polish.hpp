@@ -13,6 +13,7 @@ namespace phasescan {
 
 struct ScanRecord;
 
+/// Without bounded memory only: every keyframe is a node, every scan is in the store.
 /// @param guess  pose of the base at each scan's stamp, on the map
 /// @return the same, better: a scan whose match moves it far, or does not succeed, keeps its pose
 /// @cost one registration per scan, one local map per keyframe

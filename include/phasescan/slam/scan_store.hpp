@@ -9,7 +9,8 @@
 
 namespace phasescan {
 
-/// Ranges to 2 mm (up to 131 m), the reason of every missing beam; intensities are not kept.
+/// Ranges to 2 mm, up to 130 m (hits beyond are kept as out of range), and the reason of every missing beam;
+/// intensities are not kept.
 class ScanStore {
  public:
   /// @return the number to ask for it with

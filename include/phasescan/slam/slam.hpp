@@ -43,14 +43,17 @@ class Slam {
   /// Ends the run: last loops, the full graph, and every scan matched once more against the finished map.
   void finish();
 
+  // What follows waits for the batch in work: it is the same with any number of threads.
+
   /// One pose of the base per scan that was added, in that order. Before finish() as far as is known.
   std::vector<Pose2> trajectory() const;
-  /// The pose of one scan as the map has it now; empty while its keyframe waits to be handed to the backend. Before
-  /// finish() only with one thread.
+  /// The pose of one scan as the map has it now; empty while its keyframe waits to be handed to the backend.
   std::optional<Pose2> pose_on_map(std::size_t scan) const;
   /// Keyframes that the map is drawn from: all, or those of the largest piece (slam.largest_piece).
   std::vector<std::size_t> drawn_keyframes() const;
-  /// Scans that stand in no part of the map, since nothing ties their piece to it.
+  /// Of each scan: 0 where it stands in no part of the map, since nothing ties its piece to it; else 1.
+  std::vector<char> on_map() const;
+  /// How many stand in no part of it.
   std::size_t scans_left_out() const;
   /// The map that these keyframes' scans draw from their poses as they stand.
   OccupancyGrid render_map() const;
@@ -61,7 +64,7 @@ class Slam {
   /// CPU time of this thread that the last add() spent on loops and graph [s]; the rest of it was tracking.
   double last_backend_cpu_s() const { return backend_cpu_s_; }
   const std::vector<ScanRecord>& records() const { return records_; }
-  const Backend& backend() const { return *backend_; }
+  const Backend& backend() const;
   const Odometry& odometry() const { return odometry_; }
   /// Scans kept: all, or those of keyframes without polish; none in bounded-memory mode.
   const ScanStore& scans() const { return store_; }

@@ -1,0 +1,221 @@
+// Source: foxglove/mcap, specification of the format.
+#include "io/mcap_file.hpp"
+
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+
+#include "io/mcap_records.hpp"
+#include "io/ros_encode.hpp"
+#include "phasescan/io/error.hpp"
+
+namespace phasescan {
+namespace {
+
+constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
+constexpr int kZstdLevel = 3;
+
+using mcap::Op;
+
+std::string_view as_text(const std::vector<std::uint8_t>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::uint32_t checksum(const std::vector<std::uint8_t>& bytes) {
+  return static_cast<std::uint32_t>(crc32_z(0, bytes.data(), bytes.size()));
+}
+
+void put_schema(ByteWriter& out, const std::string& type, std::uint16_t id) {
+  mcap::put_record(out, Op::kSchema, [&](ByteWriter& record) {
+    record.put(id);
+    record.prefixed_text(type);
+    record.prefixed_text("ros2msg");
+    record.prefixed_text(ros::message_definition(type));
+  });
+}
+
+void put_channel(ByteWriter& out, const McapFile::Channel& channel) {
+  mcap::put_record(out, Op::kChannel, [&](ByteWriter& record) {
+    record.put(channel.id);
+    record.put(channel.schema);
+    record.prefixed_text(channel.topic);
+    record.prefixed_text("cdr");
+    record.put(std::uint32_t{0});  // no metadata
+  });
+}
+
+void put_chunk_index(ByteWriter& out, const McapFile::ChunkIndex& chunk) {
+  mcap::put_record(out, Op::kChunkIndex, [&](ByteWriter& record) {
+    for (const std::uint64_t value : {chunk.start_time, chunk.end_time, chunk.offset, chunk.length}) record.put(value);
+    record.put(static_cast<std::uint32_t>(chunk.message_indexes.size() * 10));
+    for (const auto& [id, offset] : chunk.message_indexes) {
+      record.put(id);
+      record.put(offset);
+    }
+    record.put(chunk.message_index_length);
+    record.prefixed_text("zstd");
+    record.put(chunk.packed_bytes);
+    record.put(chunk.unpacked_bytes);
+  });
+}
+
+}  // namespace
+
+McapFile::McapFile(const std::string& path) : file_(path) {
+  ByteWriter header;
+  header.raw(mcap::kMagic);
+  mcap::put_record(header, Op::kHeader, [](ByteWriter& record) {
+    record.prefixed_text("ros2");
+    record.prefixed_text("phasescan");
+  });
+  write(header);
+}
+
+void McapFile::write(const ByteWriter& bytes) {
+  file_.write(as_text(bytes.bytes()));
+  position_ += bytes.size();
+}
+
+McapFile::Channel& McapFile::channel(const std::string& topic, const std::string& type) {
+  const auto found = channels_.find(topic);
+  if (found != channels_.end()) return found->second;
+  auto schema = schemas_.find(type);
+  if (schema == schemas_.end()) {
+    schema = schemas_.emplace(type, static_cast<std::uint16_t>(schemas_.size() + 1)).first;
+    put_schema(chunk_, schema->first, schema->second);
+  }
+  Channel made{static_cast<std::uint16_t>(channels_.size() + 1), schema->second, topic, 0};
+  put_channel(chunk_, made);
+  return channels_.emplace(topic, std::move(made)).first->second;
+}
+
+void McapFile::add(const std::string& topic, const std::string& type, Stamp stamp, Bytes message) {
+  Channel& to = channel(topic, type);
+  const auto time = static_cast<std::uint64_t>(std::max<Stamp>(stamp, 0));
+  index_[to.id].emplace_back(time, chunk_.size());
+  mcap::put_record(chunk_, Op::kMessage, [&](ByteWriter& record) {
+    record.put(to.id);
+    record.put(static_cast<std::uint32_t>(to.messages));
+    record.put(time);
+    record.put(time);
+    record.raw(message);
+  });
+  chunk_start_ = chunk_messages_ == 0 ? time : std::min(chunk_start_, time);
+  chunk_end_ = chunk_messages_ == 0 ? time : std::max(chunk_end_, time);
+  ++chunk_messages_;
+  ++to.messages;
+  if (chunk_.size() >= kChunkBytes) finish_chunk();
+}
+
+void McapFile::finish_chunk() {
+  if (chunk_.size() == 0) return;
+  packed_.resize(ZSTD_compressBound(chunk_.size()));
+  const std::size_t made =
+      ZSTD_compress(packed_.data(), packed_.size(), chunk_.bytes().data(), chunk_.size(), kZstdLevel);
+  if (ZSTD_isError(made)) throw SystemError("zstd", ZSTD_getErrorName(made));
+  ChunkIndex entry;
+  entry.start_time = chunk_start_;
+  entry.end_time = chunk_end_;
+  entry.offset = position_;
+  entry.packed_bytes = made;
+  entry.unpacked_bytes = chunk_.size();
+  ByteWriter out;
+  mcap::put_record(out, Op::kChunk, [&](ByteWriter& record) {
+    record.put(chunk_start_);
+    record.put(chunk_end_);
+    record.put(std::uint64_t{chunk_.size()});
+    record.put(checksum(chunk_.bytes()));
+    record.prefixed_text("zstd");
+    record.put(std::uint64_t{made});
+    record.raw(Bytes(packed_.data(), made));
+  });
+  entry.length = out.size();
+  for (const auto& [id, messages] : index_) {
+    entry.message_indexes[id] = position_ + out.size();
+    mcap::put_record(out, Op::kMessageIndex, [&, &id = id, &messages = messages](ByteWriter& record) {
+      record.put(id);
+      record.put(static_cast<std::uint32_t>(messages.size() * 16));
+      for (const auto& [time, offset] : messages) {
+        record.put(time);
+        record.put(offset);
+      }
+    });
+  }
+  entry.message_index_length = out.size() - entry.length;
+  write(out);
+  chunks_.push_back(std::move(entry));
+  chunk_.clear();
+  index_.clear();
+  start_ = count_ == 0 ? chunk_start_ : std::min(start_, chunk_start_);
+  end_ = count_ == 0 ? chunk_end_ : std::max(end_, chunk_end_);
+  count_ += chunk_messages_;
+  chunk_messages_ = 0;
+}
+
+void McapFile::put_statistics(ByteWriter& out) const {
+  mcap::put_record(out, Op::kStatistics, [&](ByteWriter& record) {
+    record.put(count_);
+    record.put(static_cast<std::uint16_t>(schemas_.size()));
+    record.put(static_cast<std::uint32_t>(channels_.size()));
+    record.put(std::uint32_t{0});  // attachments
+    record.put(std::uint32_t{0});  // metadata
+    record.put(static_cast<std::uint32_t>(chunks_.size()));
+    record.put(start_);
+    record.put(end_);
+    record.put(static_cast<std::uint32_t>(channels_.size() * 10));
+    for (const Channel* channel : in_order()) {
+      record.put(channel->id);
+      record.put(channel->messages);
+    }
+  });
+}
+
+std::vector<const McapFile::Channel*> McapFile::in_order() const {
+  std::vector<const Channel*> out;
+  for (const auto& [topic, channel] : channels_) out.push_back(&channel);
+  std::sort(out.begin(), out.end(), [](const Channel* a, const Channel* b) { return a->id < b->id; });
+  return out;
+}
+
+void McapFile::finish() {
+  finish_chunk();
+  ByteWriter data_end;
+  mcap::put_record(data_end, Op::kDataEnd, [](ByteWriter& record) { record.put(std::uint32_t{0}); });
+  write(data_end);
+  ByteWriter out;
+  ByteWriter offsets;
+  const auto group = [&](Op op, auto put_all) {
+    const std::size_t before = out.size();
+    put_all();
+    if (out.size() == before) return;
+    mcap::put_record(offsets, Op::kSummaryOffset, [&](ByteWriter& record) {
+      record.put(static_cast<std::uint8_t>(op));
+      record.put(position_ + before);
+      record.put(std::uint64_t{out.size() - before});
+    });
+  };
+  group(Op::kSchema, [&] {
+    for (const auto& [type, id] : schemas_) put_schema(out, type, id);
+  });
+  group(Op::kChannel, [&] {
+    for (const Channel* channel : in_order()) put_channel(out, *channel);
+  });
+  group(Op::kStatistics, [&] { put_statistics(out); });
+  group(Op::kChunkIndex, [&] {
+    for (const ChunkIndex& entry : chunks_) put_chunk_index(out, entry);
+  });
+  const std::uint64_t offsets_start = position_ + out.size();
+  out.raw(Bytes(offsets.bytes()));
+  // The checksum covers the summary and the footer up to itself.
+  out.put(static_cast<std::uint8_t>(Op::kFooter));
+  out.put(std::uint64_t{8 + 8 + 4});
+  out.put(position_);
+  out.put(offsets_start);
+  out.put(checksum(out.bytes()));
+  out.raw(mcap::kMagic);
+  write(out);
+  file_.commit();
+}
+
+}  // namespace phasescan

@@ -1,0 +1,57 @@
+/// The container of an MCAP file as it is written: chunks, their indexes, and the summary.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "io/bytes.hpp"
+#include "phasescan/core/time.hpp"
+#include "phasescan/io/file.hpp"
+
+namespace phasescan {
+
+/// Holds one chunk in memory; the file appears whole with `finish`, or not at all.
+class McapFile {
+ public:
+  /// @throws as AtomicFile.
+  explicit McapFile(const std::string& path);
+
+  /// A ROS 2 message as CDR. @param type  as "sensor_msgs/msg/LaserScan"; a topic keeps its first
+  void add(const std::string& topic, const std::string& type, Stamp stamp, Bytes message);
+  void finish();
+
+  struct Channel {
+    std::uint16_t id = 0;
+    std::uint16_t schema = 0;
+    std::string topic;
+    std::uint64_t messages = 0;
+  };
+  struct ChunkIndex {
+    std::uint64_t start_time = 0, end_time = 0, offset = 0, length = 0;
+    std::map<std::uint16_t, std::uint64_t> message_indexes;
+    std::uint64_t message_index_length = 0, packed_bytes = 0, unpacked_bytes = 0;
+  };
+
+ private:
+  void write(const ByteWriter& bytes);
+  Channel& channel(const std::string& topic, const std::string& type);
+  void finish_chunk();
+  void put_statistics(ByteWriter& out) const;
+  std::vector<const Channel*> in_order() const;
+
+  AtomicFile file_;
+  std::uint64_t position_ = 0;
+  std::map<std::string, std::uint16_t> schemas_;
+  std::map<std::string, Channel> channels_;
+  ByteWriter chunk_;
+  std::vector<std::uint8_t> packed_;
+  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> index_;
+  std::uint64_t chunk_start_ = 0, chunk_end_ = 0, chunk_messages_ = 0;
+  std::vector<ChunkIndex> chunks_;
+  std::uint64_t start_ = 0, end_ = 0, count_ = 0;
+};
+
+}  // namespace phasescan
