@@ -22,7 +22,7 @@ struct Fixture {
     SurfacePoints surface;
     for (std::size_t i = 0; i < tour.size(); ++i) {
       scans.push_back(testing::toy_scan(walls, tour[i], {}, random, stamp_from_seconds(0.18 * static_cast<double>(i))));
-      find_surface(scans.back(), {}, work, surface);
+      find_surface(scans.back(), {}, work, surface, kTrackingLines);
       points.emplace_back();
       to_map_points(surface, {}, 40.0, points.back());
     }

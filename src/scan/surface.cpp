@@ -115,7 +115,7 @@ RangeNoise estimate_noise(const SurfacePoints& points, SurfaceWorkspace& work) {
     sigma[half] = kToSigma * median_of(work.scratch);
     range[half] = median_of(work.scratch2);
   }
-  const double most = 0.05 * std::max(range[0], 0.2);
+  const double most = std::max(0.06, 0.05 * range[0]);
   noise.floor_m = static_cast<float>(std::clamp(sigma[0], std::min(std::max(kMinFloor, 0.25 * sigma[1]), most), most));
   const double far_rate = range[1] > 0.0 ? sigma[1] / range[1] : 0.01;
   noise.per_metre = static_cast<float>(std::clamp(far_rate, 0.001, 0.03));
@@ -166,7 +166,8 @@ void sort_beams(const Scan& scan, SurfaceWorkspace& work) {
   for (std::size_t i = 0; i < n; ++i) work.angle[i] = scan.angle(static_cast<std::size_t>(work.order[i]));
 }
 
-void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work, SurfacePoints& out) {
+void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work, SurfacePoints& out,
+                  const WallLines& lines) {
   sort_beams(scan, work);
   directions(scan, work);
   const std::size_t beams = scan.size();
@@ -183,7 +184,7 @@ void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work,
   out.noise = estimate_noise(out, work);
   for (std::size_t i = 0; i < n; ++i) out.sigma[i] = out.noise.sigma(out.range[i]);
   find_segments(out, out.spacing, work);
-  find_lines(work, out);
+  find_lines(lines.straightness, work, out);
   for (auto& k : out.beam) k = work.order[static_cast<std::size_t>(k)];
 }
 

@@ -64,7 +64,7 @@ void sum_up(const SurfacePoints& surface, std::size_t padded, SurfaceWorkspace& 
 }
 
 // A line through few neighbours: at a corner of the side that it fits better, and longer where it may be.
-LineFit fit_short_line(const SurfaceWorkspace& work, std::size_t hit, double expected) {
+LineFit fit_short_line(const SurfaceWorkspace& work, std::size_t hit, double expected, double straightness) {
   const int i = static_cast<int>(hit), half = work.half[hit];
   const auto fit = [&](int back, int on) {
     return fit_line(work.sums.data(), std::max(work.segment_begin[hit], i - back),
@@ -83,12 +83,12 @@ LineFit fit_short_line(const SurfaceWorkspace& work, std::size_t hit, double exp
     }
   }
   const LineFit longer = fit(2 * back, 2 * on);
-  return best.count >= 3 && longer.fits(surface_lines::kStraight * expected, px, py) ? longer : best;
+  return best.count >= 3 && longer.fits(straightness * expected, px, py) ? longer : best;
 }
 
 }  // namespace
 
-void find_lines(SurfaceWorkspace& work, SurfacePoints& out) {
+void find_lines(double straightness, SurfaceWorkspace& work, SurfacePoints& out) {
   using namespace surface_lines;
   const std::size_t n = out.size(), padded = (n + kLinesPadding - 1) / kLinesPadding * kLinesPadding;
   sum_up(out, padded, work);
@@ -98,15 +98,16 @@ void find_lines(SurfaceWorkspace& work, SurfacePoints& out) {
   work.lines.resize(kLineFields * padded);
   work.found.resize(padded);
   work.hits.resize(kHitFields * padded);
-  const LinesTask task{
-      work.sums.data(),          work.x.data(),           work.y.data(),    out.range.data(), out.sigma.data(),
-      work.segment_begin.data(), work.segment_end.data(), padded,           out.spacing,      kReachShare * out.extent,
-      work.half.data(),          work.lines.data(),       work.hits.data(), work.found.data()};
+  const LinesTask task{work.sums.data(),         work.x.data(),    work.y.data(),
+                       out.range.data(),         out.sigma.data(), work.segment_begin.data(),
+                       work.segment_end.data(),  padded,           out.spacing,
+                       kReachShare * out.extent, straightness,     work.half.data(),
+                       work.lines.data(),        work.hits.data(), work.found.data()};
   fit_long_lines(task);
   for (std::size_t i = 0; i < n; ++i) {
     if (work.found[i] != 0 || work.segment_end[i] - work.segment_begin[i] < 3) continue;
     const double sigma = static_cast<double>(out.sigma[i]);
-    const LineFit line = fit_short_line(work, i, sigma * sigma);
+    const LineFit line = fit_short_line(work, i, sigma * sigma, straightness);
     double* field = work.lines.data() + i;
     for (const double value : {line.cx, line.cy, line.nx, line.ny, line.norm2, line.spread, line.residual,
                                static_cast<double>(line.count)}) {

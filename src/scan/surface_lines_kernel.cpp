@@ -70,7 +70,7 @@ void FitLongLines(const LinesTask& task) {
     const auto short_half = hn::DemoteTo(
         d32, hn::Min(hn::Max(hn::Ceil(hn::Div(reach, step)), hn::Set(kD, 2.0)), hn::Set(kD, double{kMaxHalfWindow})));
     hn::StoreU(short_half, d32, task.half + k);
-    const V variance = hn::Mul(hn::Set(kD, kStraight), hn::Mul(sigma, sigma));
+    const V variance = hn::Mul(hn::Set(kD, task.straightness), hn::Mul(sigma, sigma));
     const I begin = hn::PromoteTo(kI, hn::LoadU(d32, task.begin + k)),
             end = hn::PromoteTo(kI, hn::LoadU(d32, task.end + k));
     I half = hn::PromoteTo(kI, short_half);

@@ -13,8 +13,6 @@ enum HitField { kHitNx, kHitNy, kHitLineX, kHitLineY, kHitLength, kHitVariance, 
 
 /// A line is fitted this far to either side, short enough for furniture, and farther where the wall runs on.
 inline constexpr double kReachShare = 0.007;  // of the extent
-/// Of the expected variance across the line: a longer line must fit this well.
-inline constexpr double kStraight = 1.0;
 /// A beam along the line (less than about 12 deg apart) is given no more credit.
 inline constexpr double kLeastCosine2 = 0.04;
 
@@ -25,6 +23,7 @@ struct LinesTask {
   const std::int32_t *begin, *end;  ///< the segment
   std::size_t count;                ///< padded to whole vectors
   double spacing, least_reach;      ///< between beams [rad]; of a window [m]
+  double straightness;              ///< of the expected variance across the line: a longer line must fit this well
   std::int32_t* half;               ///< half a window
   double* lines;                    ///< kLineFields arrays of `count`
   float* hits;                      ///< kHitFields arrays of `count`

@@ -64,7 +64,7 @@ std::vector<Pose2> polish_trajectory(const Backend& backend, const ScanStore& sc
       }
     }
     const LaserMount& mount = scans.mount(i);
-    find_surface(scan, mount.laser_twist(twist), work, surface);
+    find_surface(scan, mount.laser_twist(twist), work, surface, kTrackingLines);
     to_map_points(surface, mount, options.map_range_m, points);
     PosePrior prior;
     prior.T_map_base = map.T_world_map().inverse() * guess[i];

@@ -35,6 +35,9 @@ struct MapPoints {
   void clear();
 };
 
+/// Walls as `find_surface` shall follow them where a map of them is tracked.
+inline constexpr WallLines kTrackingLines{2.0};
+
 /// Takes the hits into the frame of the base; hits beyond `max_range_m` are left out. Hits far apart on a wall seen at
 /// a grazing angle, too sparse for a fitted line, get the normal of the line through their neighbours: by themselves
 /// they would look like things that move with the sensor.

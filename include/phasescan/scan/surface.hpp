@@ -77,6 +77,13 @@ struct SurfaceWorkspace {
   std::vector<float> hits, scratch, scratch2;
 };
 
+/// How far walls are followed. One scan against another is best told by short lines, which keep the shape of furniture;
+/// tracking along bare walls needs normals that do not sway with the noise, and loses little by longer ones.
+struct WallLines {
+  double straightness =
+      1.0;  ///< mean square across a longer line, in variances of the range noise, to be taken for one
+};
+
 /// Beams of a scan in order of direction, counter-clockwise: `order` holds beam indices, `angle` their directions
 /// [rad].
 void sort_beams(const Scan& scan, SurfaceWorkspace& work);
@@ -87,6 +94,7 @@ void sort_beams(const Scan& scan, SurfaceWorkspace& work);
 /// at a corner the side that fits better is taken. The noise is read off the second differences of the ranges. A twist
 /// other than zero removes the motion during the turn (see scan_to_points).
 /// @cost O(n log n) at worst (unsorted per-beam angles), O(n) for regular scans.
-void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work, SurfacePoints& out);
+void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work, SurfacePoints& out,
+                  const WallLines& lines = {});
 
 }  // namespace phasescan
