@@ -35,6 +35,7 @@ int run_convert(const ConvertFlags& flags) {
     if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.in);
     return fail(InputError(flags.in, 0, "holds no scan; expected at least one").what(), kAnswerIsNo);
   }
+  if (InterruptGuard::interrupted()) warn("stopped after " + std::to_string(scans) + " scans; the file holds these");
   const int code = report_damages(*reader, kDone);
   writer->finish();
   for (const std::string& loss : writer->losses()) warn(flags.out + ": " + loss);

@@ -108,6 +108,7 @@ int simulate_pairs(const SimulateFlags& flags) {
     progress.step(done);
   }
   writer.commit();
+  if (done < flags.pairs) warn("stopped after " + std::to_string(done) + " pairs; the file holds these");
   return kDone;
 }
 
@@ -142,6 +143,8 @@ int simulate_drive(const SimulateFlags& flags) {
   }
   write_file(flags.out + ".truth.tum", format_tum(truth));
   writer.commit();
+  if (InterruptGuard::interrupted())
+    warn("stopped after " + std::to_string(truth.size()) + " scans; the log holds these");
   return kDone;
 }
 

@@ -108,6 +108,8 @@ int run_slam(const SlamFlags& flags) {
     if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
     return fail(InputError(flags.log, 0, "holds no scan; expected at least one").what(), kAnswerIsNo);
   }
+  if (!run.complete)
+    warn("stopped after " + std::to_string(slam.records().size()) + " scans; the results are of these");
   slam.finish();
   run.total_cpu_s = process_cpu_seconds() - cpu;
   run.total_wall_s = wall_seconds() - wall;

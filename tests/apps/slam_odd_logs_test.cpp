@@ -123,6 +123,7 @@ TEST(SlamOddLogs, CtrlCWritesWhatIsDone) {
   EXPECT_TRUE(run.code == 0 || run.code == 4) << run.code << run.err;
   const json summary = json::parse(slurp(folder / "out/summary.json"));
   EXPECT_FALSE(summary["complete"]);
+  EXPECT_NE(run.err.find("stopped after " + summary["scans"].dump() + " scans"), std::string::npos) << run.err;
   EXPECT_LT(summary["scans"], 40 * 150);
   EXPECT_EQ(read_tum(folder / "out/trajectory.tum").size(), summary["scans"]);
   EXPECT_GT(read_map(folder / "out/map.yaml").cells.size(), 1000u);
