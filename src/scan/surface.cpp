@@ -13,6 +13,7 @@ namespace phasescan {
 namespace {
 
 constexpr int kBeamsPerRestart = 64;  // the rotation recurrence is restarted so often: error below 1e-13
+constexpr double kReliefM = 0.01;     // [m] of walls: a noise of so much begins to hide it
 constexpr double kMinFloor = 0.004;   // [m] no lidar of this kind is better than this
 
 // The nth smallest of values that are not negative; changes their order. A count by leading bits finds the few that are
@@ -184,7 +185,8 @@ void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work,
   out.noise = estimate_noise(out, work);
   for (std::size_t i = 0; i < n; ++i) out.sigma[i] = out.noise.sigma(out.range[i]);
   find_segments(out, out.spacing, work);
-  find_lines(lines.straightness, work, out);
+  const double noisy = std::clamp((static_cast<double>(out.noise.floor_m) - kReliefM) / kReliefM, 0.0, 1.0);
+  find_lines(lines.straightness + noisy * (lines.noisy_straightness - lines.straightness), work, out);
   for (auto& k : out.beam) k = work.order[static_cast<std::size_t>(k)];
 }
 

@@ -137,7 +137,7 @@ TEST(Number, ReadsBackTheSameAndRefusesWhatIsNone) {
 TEST(Number, StampsKeepEveryNanosecond) {
   Random random(6);
   for (int i = 0; i < 1000; ++i) {
-    const Stamp stamp = static_cast<Stamp>(random.below(9'000'000'000'000'000'000ULL)) * (i % 2 == 0 ? 1 : -1);
+    const Stamp stamp = static_cast<Stamp>(random.below(4'599'000'000'000'000'000ULL)) * (i % 2 == 0 ? 1 : -1);
     std::string text;
     append_stamp(text, stamp);
     EXPECT_EQ(parse_stamp(text), stamp) << text;
@@ -145,9 +145,10 @@ TEST(Number, StampsKeepEveryNanosecond) {
   EXPECT_EQ(parse_stamp("1700000000.1234567891"), 1'700'000'000'123'456'789);
   EXPECT_EQ(parse_stamp("1.5e3"), 1'500'000'000'000);
   // What is accepted can be subtracted.
-  const Stamp latest = *parse_stamp("4599999999.999999999"), earliest = *parse_stamp("-4599999999.999999999");
+  const Stamp latest = *parse_stamp("4599999999.123456789"), earliest = *parse_stamp("-4599999999.123456789");
   EXPECT_GT(latest - earliest, 0);
-  for (const char* text : {"", "now", "nan", "inf", "1e300", "1.2.3", "4600000000", "-9e9"}) EXPECT_FALSE(parse_stamp(text)) << text;
+  for (const char* text : {"", "now", "nan", "inf", "1e300", "1.2.3", "4600000000", "-9e9"})
+    EXPECT_FALSE(parse_stamp(text)) << text;
 }
 
 }  // namespace

@@ -77,11 +77,13 @@ struct SurfaceWorkspace {
   std::vector<float> hits, scratch, scratch2;
 };
 
-/// How far walls are followed. One scan against another is best told by short lines, which keep the shape of furniture;
-/// tracking along bare walls needs normals that do not sway with the noise, and loses little by longer ones.
+/// How far walls are followed: the mean square across a longer line, in variances of the range noise, up to which it is
+/// taken for one. Short lines keep the shape of furniture and the relief of walls, which tell one scan from another;
+/// where noise hides that relief, short lines have normals that sway, and along a bare wall these look like something
+/// seen.
 struct WallLines {
-  double straightness =
-      1.0;  ///< mean square across a longer line, in variances of the range noise, to be taken for one
+  double straightness = 1.0;
+  double noisy_straightness = 1.0;  ///< where the noise near the sensor is 2 cm and more; in between from 1 cm on
 };
 
 /// Beams of a scan in order of direction, counter-clockwise: `order` holds beam indices, `angle` their directions
