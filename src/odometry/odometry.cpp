@@ -30,7 +30,9 @@ Odometry::Odometry(const OdometryOptions& options) : options_(options) {
 
 void Odometry::extract(const Scan& scan, const LaserMount& mount, const Twist2& twist, double duration_s) {
   const Twist2 used = options_.deskew && duration_s > 0.0 ? twist : Twist2{};
-  find_surface(scan, mount.laser_twist(used), surface_work_, surface_, kTrackingLines);
+  // Scans that stand far apart meet as two scans do, and not as a scan meets the map of those just before it.
+  find_surface(scan, mount.laser_twist(used), surface_work_, surface_,
+               steadiness_.jumps() ? WallLines{} : kTrackingLines);
   // The points are expressed at the stamp; the middle of the turn is where the twist's error matters least.
   LaserMount at_mid = mount;
   at_mid.T_base_laser = exp_twist(used, middle_s(scan, duration_s)).inverse() * mount.T_base_laser;
