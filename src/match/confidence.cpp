@@ -65,6 +65,7 @@ constexpr double kMostVariance = 1e6;
 constexpr double kInflation = 2.33;
 constexpr double kLeastCost = 0.05;       // surfaces without any noise are no surer than this
 constexpr double kSlideVariance = 100.0;  // [m^2] where it does: as far as such a sensor sees
+constexpr double kMarginRate = 20.0;      // an alternative is less likely by e for each 0.05 of score
 constexpr double kSlides_m = 0.05;  // less certain than this along some direction: a corridor, where the pose may slide
 
 // Along a corridor both scans agree as well a little farther on.
@@ -88,6 +89,12 @@ double weakest_sigma(const Eigen::Matrix3d& information) {
   return 1.0 / std::sqrt(std::max(weak, 1.0 / kMostVariance));
 }
 
+double weight_beside_best(const SearchOutcome& outcome, std::size_t k) {
+  // Evidence decides between poses as the confidence does between right and wrong: by the margin.
+  const double less = outcome.hypotheses.front().score - outcome.hypotheses[k].score;
+  return std::exp(-kMarginRate * std::max(less, 0.0));
+}
+
 bool is_ambiguous(const SearchOutcome& outcome) {
   return ties(outcome) || may_slide(outcome);
 }
@@ -99,7 +106,20 @@ Eigen::Matrix3d covariance_of(const SearchOutcome& outcome) {
                                   .cwiseMin(kMostVariance);
   // What then seems to hold the pose is noise of the normals.
   if (may_slide(outcome)) variances(0) = kSlideVariance;
-  const Eigen::Matrix3d covariance = eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+  Eigen::Matrix3d covariance = eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+  if (ties(outcome) && !may_slide(outcome)) {
+    const Pose2& best = outcome.hypotheses.front().T_ref_scan;
+    Eigen::Matrix3d apart = Eigen::Matrix3d::Zero();
+    double sum = 1.0;
+    for (std::size_t k = 1; k < outcome.hypotheses.size(); ++k) {
+      const Pose2& other = outcome.hypotheses[k].T_ref_scan;
+      const Eigen::Vector3d off(other.x - best.x, other.y - best.y, wrap_angle(other.theta - best.theta));
+      const double weight = weight_beside_best(outcome, k);
+      apart += weight * off * off.transpose();
+      sum += weight;
+    }
+    covariance += apart / sum;
+  }
   return covariance.selfadjointView<Eigen::Lower>();  // symmetric to the last bit
 }
 

@@ -74,12 +74,12 @@ class MhEngine final : public MatchEngine {
     result.features.assign(features.value.begin(), features.value.end());
     result.confidence = confidence_of(features);
     result.ambiguous = is_ambiguous(outcome_);
-    for (std::size_t k = 1; k < outcome_.hypotheses.size(); ++k) {
-      // Evidence decides between poses as the confidence does between right and wrong: by the margin.
-      const double less = std::max(best.score - outcome_.hypotheses[k].score, 0.0);
-      result.alternatives.push_back(
-          {outcome_.hypotheses[k].T_ref_scan, *result.confidence * std::exp(-kMarginRate * less)});
-    }
+    // Only one of them can be right: what the best one leaves is shared among the others.
+    double sum = 0.0;
+    for (std::size_t k = 1; k < outcome_.hypotheses.size(); ++k) sum += weight_beside_best(outcome_, k);
+    const double scale = std::min(*result.confidence, (1.0 - *result.confidence) / std::max(sum, 1e-12));
+    for (std::size_t k = 1; k < outcome_.hypotheses.size(); ++k)
+      result.alternatives.push_back({outcome_.hypotheses[k].T_ref_scan, scale * weight_beside_best(outcome_, k)});
     const bool likely = *result.confidence > options_.match.min_confidence;
     result.usable = likely && !result.ambiguous;
     result.status = result.ambiguous ? MatchStatus::kAmbiguous
@@ -87,8 +87,6 @@ class MhEngine final : public MatchEngine {
                                      : MatchStatus::kLowConfidence;
     return result;
   }
-
-  static constexpr double kMarginRate = 20.0;  // confidence of an alternative falls by e for each 0.05 of score
 
   MatchOptions options_;
   MultiHypothesisSearch search_;

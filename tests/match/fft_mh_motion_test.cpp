@@ -134,6 +134,11 @@ TEST(FftMhGuess, ItDecidesBetweenTheTwinsOfASymmetricRoom) {
   EXPECT_TRUE(alone.ambiguous);
   EXPECT_FALSE(alone.usable);
   ASSERT_FALSE(alone.alternatives.empty());
+  // Only one of them is right, and which one cannot be known: neither can the heading.
+  double sum = *alone.confidence;
+  for (const MatchAlternative& other : alone.alternatives) sum += other.confidence;
+  EXPECT_LE(sum, 1.0 + 1e-12);
+  EXPECT_GT(std::sqrt(alone.covariance(2, 2)), 1.0);
   const bool first = error_of(alone.T_ref_scan, truth).metres < 0.05;
   EXPECT_LT(error_of(first ? alone.T_ref_scan : alone.alternatives[0].T_ref_scan, truth).metres, 0.05);
   EXPECT_LT(error_of(first ? alone.alternatives[0].T_ref_scan : alone.T_ref_scan, twin).metres, 0.05);

@@ -31,8 +31,12 @@ double weakest_sigma(const Eigen::Matrix3d& information);
 /// Another pose explains the scans as well: the next distinct one scores alike, or the pose slides along a corridor.
 bool is_ambiguous(const SearchOutcome& outcome);
 
-/// Covariance of the error of (x, y, theta) in the reference frame: wide along what the surfaces leave open, never
-/// infinite.
+/// How likely hypothesis `k` is beside the best one, by what both scans say of them: 1 where they tie.
+double weight_beside_best(const SearchOutcome& outcome, std::size_t k);
+
+/// Covariance of the error of (x, y, theta) in the reference frame: wide along what the surfaces leave open; where the
+/// pose does not slide and others tie with it, as wide as they lie apart (a mixture of them). Capped at 1e6. Along a
+/// corridor its half-turn twin is left out: it would hide how well the pose is known across.
 /// @source [Censi07]
 Eigen::Matrix3d covariance_of(const SearchOutcome& outcome);
 
