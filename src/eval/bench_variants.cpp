@@ -45,6 +45,7 @@ BenchMethod bench_variant(const std::string& text, const MatchOptions& options) 
       set(table, text.substr(start, comma - start));
       start = comma + 1;
     }
+    variant.options.validate();
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument("--variant '" + variant.name + "': " + error.what());
   }

@@ -3,7 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <set>
+#include <map>
 
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/file.hpp"
@@ -13,15 +13,24 @@ namespace phasescan {
 namespace detail {
 namespace {
 
+std::string range_text(const OptionInfo& info) {
+  const bool low = std::isfinite(info.min), high = std::isfinite(info.max);
+  if (low && high) return option_text(info.min) + ".." + option_text(info.max);
+  if (low) return ">= " + option_text(info.min);
+  return high ? "<= " + option_text(info.max) : "";
+}
+
 template <class T>
 void set_number(T& out, const std::string& text, const OptionInfo& info, const char* kind) {
   const auto value = parse_number<T>(text);
   if (!value) throw std::invalid_argument("is " + quote_text(text) + "; expected " + kind);
   const auto number = static_cast<double>(*value);
   if (!(number >= info.min && number <= info.max)) {
-    throw std::invalid_argument("is " + text + "; expected " + bounds_text(info) +
+    throw std::invalid_argument("is " + text + "; expected " + range_text(info) +
                                 (info.unit.empty() ? "" : " " + std::string(info.unit)));
   }
+  if (info.even && std::fmod(number, 2.0) != 0.0)
+    throw std::invalid_argument("is " + text + "; expected an even number");
   out = *value;
 }
 
@@ -52,10 +61,10 @@ void set_option(double& out, const std::string& text, const OptionInfo& info) {
 }
 
 std::string bounds_text(const OptionInfo& info) {
-  const bool low = std::isfinite(info.min), high = std::isfinite(info.max);
-  if (low && high) return option_text(info.min) + ".." + option_text(info.max);
-  if (low) return ">= " + option_text(info.min);
-  return high ? "<= " + option_text(info.max) : "";
+  std::string text = range_text(info);
+  if (info.even) text += text.empty() ? "even" : ", even";
+  if (!info.at_least.empty()) text += (text.empty() ? ">= " : ", >= ") + std::string(info.at_least);
+  return text;
 }
 
 }  // namespace detail
@@ -121,7 +130,7 @@ void OptionTable::load_text(const std::string& yaml, const std::string& file) {
   }
   if (root.IsNull()) return;
   if (!root.IsMap()) throw InputError(file, line_of(root), "is no map; expected section: {option: value}");
-  std::set<std::string> seen;
+  std::map<std::string, long> seen;  // section, section.option: its line
   for (const auto& part : root) {
     const std::string section = key_of(part.first, file);
     const auto names = sections();
@@ -129,7 +138,7 @@ void OptionTable::load_text(const std::string& yaml, const std::string& file) {
       throw InputError(file, line_of(part.first),
                        "unknown section " + quote_text(section) + "; expected one of " + joined(names));
     }
-    if (!seen.insert(section).second)
+    if (!seen.emplace(section, line_of(part.first)).second)
       throw InputError(file, line_of(part.first), "section " + quote_text(section) + " stands twice; expected once");
     if (part.second.IsNull()) continue;
     if (!part.second.IsMap())
@@ -146,7 +155,7 @@ void OptionTable::load_text(const std::string& yaml, const std::string& file) {
         throw InputError(file, line_of(item.first),
                          "unknown option " + quote_text(section + "." + name) + "; expected one of " + joined(options));
       }
-      if (!seen.insert(section + "." + name).second) {
+      if (!seen.emplace(section + "." + name, line_of(item.second)).second) {
         throw InputError(file, line_of(item.first), section + "." + name + " stands twice; expected once");
       }
       if (!item.second.IsScalar())
@@ -157,6 +166,16 @@ void OptionTable::load_text(const std::string& yaml, const std::string& file) {
         throw InputError(file, line_of(item.second), section + "." + name + " " + error.what());
       }
     }
+  }
+  for (const OptionEntry& entry : entries_) {
+    const OptionEntry* least = entry.at_least.empty() ? nullptr : find(entry.section, entry.at_least);
+    if (least == nullptr || *parse_number<double>(entry.get()) >= *parse_number<double>(least->get())) continue;
+    // The later of the two lines spoiled it; one that does not stand in the file is a default.
+    const std::string name = entry.section + "." + entry.name, other = least->section + "." + least->name;
+    const long line = std::max(seen.contains(name) ? seen[name] : 0, seen.contains(other) ? seen[other] : 0);
+    throw InputError(file, std::max(line, 1L),
+                     name + " is " + entry.get() + "; expected at least " + other + ", " + least->get() +
+                         (seen.contains(other) ? "" : " by default"));
   }
 }
 

@@ -63,16 +63,12 @@ LidarOptions parse_lidar(const std::string& text, const std::string& name) {
   const YAML::Node node = load_yaml(text, name);
   LidarOptions lidar;
   Fields fields(node, name);
-  LidarOptions::visit(lidar, [&](std::string_view key, auto& value, const OptionInfo&) {
-    fields.take(std::string(key).c_str(), value);
+  LidarOptions::visit(lidar, [&](std::string_view key, auto& value, const OptionInfo& info) {
+    fields.take_option(std::string(key).c_str(), value, info);
   });
   fields.finish();
-  try {
-    validate_options("sensor", lidar);
-  } catch (const std::invalid_argument& error) {
-    throw InputError(name, 0, error.what());
-  }
-  if (lidar.range_max_m <= lidar.range_min_m) throw InputError(name, 0, "range_max_m: must be above range_min_m");
+  if (lidar.range_max_m <= lidar.range_min_m)
+    fields.fail_at(node["range_max_m"] ? "range_max_m" : "range_min_m", "range_max_m: must be above range_min_m");
   return lidar;
 }
 

@@ -28,6 +28,16 @@ class Fields {
     if (field) value = convert<T>(field, key);
   }
 
+  /// The same for an option: a number outside its bounds is a mistake of its line.
+  template <class T>
+  void take_option(const char* key, T& value, const OptionInfo& info) {
+    take(key, value);
+    if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
+      const std::string complaint = option_complaint(static_cast<double>(value), info);
+      if (!complaint.empty()) fail_at(key, std::string(key) + ": " + complaint);
+    }
+  }
+
   /// A list, or a single value in place of one.
   template <class T>
   void take_list(const char* key, std::vector<T>& values) {
@@ -47,6 +57,12 @@ class Fields {
       const auto key = field.first.as<std::string>("");
       if (!known_.contains(key)) fail(field.first, "unknown key '" + key + "'");
     }
+  }
+
+  /// At a key's value; at the map where the key is not given.
+  [[noreturn]] void fail_at(const char* key, const std::string& what) const {
+    const YAML::Node field = node_[key];
+    fail(field ? field : node_, what);
   }
 
   [[noreturn]] void fail(const YAML::Node& at, const std::string& what) const {

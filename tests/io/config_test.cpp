@@ -5,6 +5,7 @@
 
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/file.hpp"
+#include "phasescan/match/scan_matcher.hpp"
 #include "support/temp.hpp"
 
 namespace phasescan {
@@ -65,6 +66,41 @@ TEST(Config, WhatIsUnknownOrWrongIsNamedWithItsLine) {
   EXPECT_THAT(message_of("match: {fast: \n"), HasSubstr("c.yaml:"));
   EXPECT_EQ(message_of(""), "no error");
   EXPECT_EQ(message_of("match:\n"), "no error");
+}
+
+TEST(Config, OptionsThatDoNotGoTogetherAreNamedWithTheLineThatSpoiledIt) {
+  EXPECT_THAT(message_of("image:\n  size: 127\n"), HasSubstr("c.yaml:2: image.size is 127; expected an even number"));
+  EXPECT_THAT(message_of("image:\n  fft_size: 8\n"), HasSubstr("c.yaml:2: image.fft_size is 8; expected 16..2048 px"));
+  EXPECT_THAT(message_of("\nspectrum: {angle_bins: 181}\n"), HasSubstr("c.yaml:2: spectrum.angle_bins is 181"));
+  EXPECT_THAT(message_of("image:\n  fft_size: 64\n"),
+              HasSubstr("c.yaml:2: image.fft_size is 64; expected at least image.size, 128 by default"));
+  EXPECT_THAT(message_of("image:\n  fft_size: 64\n  dmax_m: 5\n  size: 128\nmatch:\n  fast: true\n"),
+              HasSubstr("c.yaml:4: image.fft_size is 64; expected at least image.size, 128"));
+  EXPECT_THAT(message_of("image:\n  size: 512\n"), HasSubstr("c.yaml:2: image.fft_size is 256; expected at least"));
+  EXPECT_EQ(message_of("image:\n  size: 512\n  fft_size: 512\n"), "no error");
+  EXPECT_EQ(message_of("image:\n  fft_size: 64\n  size: 32\n"), "no error");
+  EXPECT_THAT(message_of("spectrum:\n  radius_max: 0.01\n"), HasSubstr("c.yaml:2: spectrum.radius_max is 0.01"));
+  EXPECT_THAT(message_of("glass:\n  facing_deg: 20\n  oblique_deg: 15\n"), HasSubstr("c.yaml:3: glass.oblique_deg"));
+}
+
+TEST(Config, TheLibraryRefusesThemToo) {
+  const auto said_of = [](const MatchOptions& options) {
+    try {
+      ScanMatcher{options};
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  MatchOptions odd, swapped;
+  odd.image.size = 127;
+  EXPECT_THAT(said_of(odd), HasSubstr("image.size: value 127 is odd"));
+  swapped.image.fft_size = 64;
+  EXPECT_THAT(said_of(swapped), HasSubstr("image.fft_size: value 64 is below image.size"));
+  Config config;
+  config.slam.glass.facing_deg = 20;
+  config.slam.glass.oblique_deg = 15;
+  EXPECT_THROW(config.slam.validate(), std::invalid_argument);
 }
 
 TEST(Config, AFileThatDoesNotExistIsAnInputError) {

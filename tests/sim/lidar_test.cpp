@@ -187,7 +187,21 @@ TEST(Lidar, EverySensorIsReadable) {
   EXPECT_EQ(read_lidar("urg-04lx").beams, 682);
   EXPECT_NEAR(rad_to_deg(read_lidar("urg-04lx").angle_increment() * 681), 240.0, 1e-9);
   EXPECT_THROW(read_lidar("no-such-sensor"), InputError);
-  EXPECT_THROW(parse_lidar("beams: 0\n", "x"), InputError);
+}
+
+TEST(Lidar, WhatASensorFileMustNotSayIsNamedWithItsLine) {
+  const auto said_of = [](const std::string& text) {
+    try {
+      parse_lidar(text, "s.yaml");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_EQ(said_of("beams: 0\n").find("s.yaml:1: beams: is outside 1"), 0u) << said_of("beams: 0\n");
+  EXPECT_EQ(said_of("beams: 9\ndropout: .nan\n").find("s.yaml:2: dropout: is outside 0"), 0u);
+  EXPECT_EQ(said_of("beams: 9\nrange_min_m: 9\n").find("s.yaml:2: range_max_m: must be above range_min_m"), 0u);
+  EXPECT_EQ(said_of("range_min_m: 7\nrange_max_m: 8\n"), "no error");
 }
 
 }  // namespace

@@ -28,6 +28,8 @@ struct OptionInfo {
   std::string_view meaning;
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
+  bool even = false;            ///< odd numbers are refused
+  std::string_view at_least{};  ///< another number of the same struct that this one must not be below
 };
 
 /// Names of an enum's values, in order from 0: what YAML and flags say. Specialise for each enum used as an option.
@@ -51,7 +53,28 @@ requires std::is_enum_v<E> E enum_from_string(std::string_view text) {
   throw std::invalid_argument("'" + std::string(text) + "' is not one of " + choices);
 }
 
-/// Checks every numeric member against its bounds.
+/// What is wrong with a value by itself: "is outside 0..5 m"; empty for one within its bounds.
+inline std::string option_complaint(double value, const OptionInfo& info) {
+  if (!(value >= info.min && value <= info.max)) {
+    return "is outside " + std::to_string(info.min) + ".." + std::to_string(info.max) +
+           (info.unit.empty() ? "" : " " + std::string(info.unit));
+  }
+  return info.even && std::fmod(value, 2.0) != 0.0 ? "is odd; expected an even number" : "";
+}
+
+/// The number among the members that is called `name`; NaN where there is none.
+template <class Options>
+double option_number(const Options& options, std::string_view name) {
+  double number = std::numeric_limits<double>::quiet_NaN();
+  Options::visit(options, [&](std::string_view other, const auto& value, const OptionInfo&) {
+    if constexpr (std::is_arithmetic_v<std::decay_t<decltype(value)>>) {
+      if (other == name) number = static_cast<double>(value);
+    }
+  });
+  return number;
+}
+
+/// Checks every numeric member against its bounds, and against the one it must not be below.
 /// @throws std::invalid_argument "section.field: value 7 is outside 0..5 m".
 template <class Options>
 void validate_options(std::string_view section, const Options& options) {
@@ -59,10 +82,12 @@ void validate_options(std::string_view section, const Options& options) {
     using T = std::decay_t<decltype(value)>;
     if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) {
       const double number = static_cast<double>(value);
-      if (!(number >= info.min && number <= info.max)) {
+      std::string complaint = option_complaint(number, info);
+      if (complaint.empty() && !info.at_least.empty() && number < option_number(options, info.at_least))
+        complaint = "is below " + std::string(section) + "." + std::string(info.at_least);
+      if (!complaint.empty()) {
         throw std::invalid_argument(std::string(section) + "." + std::string(name) + ": value " +
-                                    std::to_string(value) + " is outside " + std::to_string(info.min) + ".." +
-                                    std::to_string(info.max) + (info.unit.empty() ? "" : " " + std::string(info.unit)));
+                                    std::to_string(value) + " " + complaint);
       }
     }
   });

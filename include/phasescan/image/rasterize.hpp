@@ -21,8 +21,8 @@ struct ImageOptions {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("size", self.size, OptionInfo{"px", "side of the scan image of fft-icp1 and fft-icp2; even", 16, 2048});
-    v("fft_size", self.fft_size, OptionInfo{"px", "side of the scan image of fft; even", 16, 2048});
+    v("size", self.size, OptionInfo{"px", "side of the scan image of fft-icp1 and fft-icp2", 16, 2048, true});
+    v("fft_size", self.fft_size, OptionInfo{"px", "side of the scan image of fft", 16, 2048, true, "size"});
     v("dmax_m", self.dmax_m,
       OptionInfo{"m", "range shown by the image; the least one where the scale adapts", 0.05, 1000});
     v("adaptive_factor", self.adaptive_factor,

@@ -18,11 +18,12 @@ struct OptionEntry {
   std::string name;
   std::string unit;
   std::string meaning;
-  std::string bounds;  ///< "0..1", ">= 0", or empty
+  std::string bounds;  ///< "0..1", ">= 0", "16..2048, even, >= size", or empty
   std::string default_value;
   std::function<std::string()> get;
   /// @throws std::invalid_argument saying what was expected; the option is unchanged then.
   std::function<void(const std::string&)> set;
+  std::string at_least;  ///< option of the same section that this one must not be below, or empty
 };
 
 /// All options of some structs, by section. Refers to the structs given to `add`: they must outlive the table.
@@ -33,7 +34,8 @@ class OptionTable {
   void add(std::string_view section, Options& options);
 
   /// Reads `section: {option: value}` from YAML. @throws InputError with the line for text that is not YAML, an unknown
-  /// section or option, one that stands twice, and a value of the wrong type or outside its bounds; SystemError.
+  /// section or option, one that stands twice, and a value of the wrong type, outside its bounds or below another one
+  /// that it must not be below; SystemError.
   void load_file(const std::string& path);
   void load_text(const std::string& yaml, const std::string& file_name);
 
@@ -87,7 +89,8 @@ void OptionTable::add(std::string_view section, Options& options) {
     entries_.push_back({std::string(section), std::string(name), std::string(info.unit), std::string(info.meaning),
                         std::is_arithmetic_v<std::decay_t<decltype(value)>> ? detail::bounds_text(info) : "", "",
                         [member] { return detail::option_text(*member); },
-                        [member, info](const std::string& text) { detail::set_option(*member, text, info); }});
+                        [member, info](const std::string& text) { detail::set_option(*member, text, info); },
+                        std::string(info.at_least)});
   });
   Options defaults;
   std::size_t i = first;

@@ -33,7 +33,7 @@ struct GlassOptions {
     v("min_length_m", self.min_length_m, OptionInfo{"m", "shorter ones are left out", 0.1, 20});
     v("facing_deg", self.facing_deg, OptionInfo{"deg", "a beam meets a surface head on up to this incidence", 1, 20});
     v("oblique_deg", self.oblique_deg,
-      OptionInfo{"deg", "and obliquely from this one on; glass does not answer there", 10, 60});
+      OptionInfo{"deg", "and obliquely from this one on; glass does not answer there", 10, 60, false, "facing_deg"});
     v("keep_open_m", self.keep_open_m,
       OptionInfo{"m", "nothing is claimed so near to where the robot drove through", 0, 5});
   }

@@ -42,7 +42,8 @@ struct LidarOptions {
       OptionInfo{"deg", "direction of the first beam, counter-clockwise from ahead", -360, 360});
     v("clockwise", self.clockwise, OptionInfo{"", "turns clockwise: a negative angle_increment"});
     v("range_min_m", self.range_min_m, OptionInfo{"m", "nearer surfaces give nothing", 0, 1000});
-    v("range_max_m", self.range_max_m, OptionInfo{"m", "farther surfaces give nothing", 0.01, 1000});
+    v("range_max_m", self.range_max_m,
+      OptionInfo{"m", "farther surfaces give nothing", 0.01, 1000, false, "range_min_m"});
     v("sigma_m", self.sigma_m, OptionInfo{"m", "range noise, at least", 0, 10});
     v("sigma_relative", self.sigma_relative, OptionInfo{"", "range noise, at least this share of the range", 0, 1});
     v("resolution_m", self.resolution_m, OptionInfo{"m", "ranges are rounded to this; 0 = not", 0, 1});

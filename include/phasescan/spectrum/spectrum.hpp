@@ -30,10 +30,11 @@ struct SpectrumOptions {
   static void visit(Self& self, Visitor&& v) {
     v("window", self.window, OptionInfo{"", "taper of the image before its FFT for the rotation: none or hann"});
     v("magnitude", self.magnitude, OptionInfo{"", "linear, sqrt or log"});
-    v("angle_bins", self.angle_bins, OptionInfo{"", "samples over 180 degrees of a polar ring; even", 16, 4096});
+    v("angle_bins", self.angle_bins, OptionInfo{"", "samples over 180 degrees of a polar ring", 16, 4096, true});
     v("radii", self.radii, OptionInfo{"", "rings of the polar grid", 1, 1024});
     v("radius_min", self.radius_min, OptionInfo{"", "innermost ring, as a share of the Nyquist frequency", 0, 1});
-    v("radius_max", self.radius_max, OptionInfo{"", "outermost ring, as a share of the Nyquist frequency", 0, 1});
+    v("radius_max", self.radius_max,
+      OptionInfo{"", "outermost ring, as a share of the Nyquist frequency", 0, 1, false, "radius_min"});
   }
 };
 
