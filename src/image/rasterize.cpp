@@ -90,7 +90,7 @@ int Rasterizer::draw(const ScanPoints& points, double theta, const ImageGrid& gr
     count += mark(x, y, image);
     if (longest > 0.0F) {
       const float dx = x - last_x, dy = y - last_y, squared = dx * dx + dy * dy;
-      if (points.beam[i] - last_beam <= 2 && squared > 2.0F && squared <= longest * longest) {
+      if (std::abs(points.beam[i] - last_beam) <= 2 && squared > 2.0F && squared <= longest * longest) {
         const int steps = static_cast<int>(std::sqrt(squared) * 1.2F) + 1;
         for (int k = 1; k < steps; ++k) {
           const float share = static_cast<float>(k) / static_cast<float>(steps);

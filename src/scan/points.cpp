@@ -4,6 +4,20 @@
 #include <cmath>
 
 namespace phasescan {
+namespace {
+
+// Listed angles may jump once, by a turn: most steps decide.
+bool is_clockwise(const Scan& scan) {
+  if (scan.angles.empty()) return scan.geometry.angle_increment < 0.0;
+  std::size_t up = 0, down = 0;
+  for (std::size_t i = 1; i < scan.size(); ++i) {
+    up += scan.angles[i] > scan.angles[i - 1];
+    down += scan.angles[i] < scan.angles[i - 1];
+  }
+  return down > up;
+}
+
+}  // namespace
 
 void scan_to_points(const Scan& scan, ScanPoints& out, double max_range, const Twist2& twist) {
   out.clear();
@@ -12,7 +26,10 @@ void scan_to_points(const Scan& scan, ScanPoints& out, double max_range, const T
   out.range.reserve(scan.size());
   out.beam.reserve(scan.size());
   const bool deskew = !twist.is_zero() && scan.time_increment != 0.0;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
+  // One order whichever way the beams are listed: what samples or sums the points gives the same for both.
+  const bool clockwise = is_clockwise(scan);
+  for (std::size_t k = 0; k < scan.size(); ++k) {
+    const std::size_t i = clockwise ? scan.size() - 1 - k : k;
     if (!scan.is_hit(i)) continue;
     const auto range = static_cast<double>(scan.ranges[i]);
     if (max_range > 0.0 && range > max_range) continue;

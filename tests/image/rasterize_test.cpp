@@ -77,6 +77,8 @@ TEST(Rasterize, NeighbouringHitsAreJoinedButNotAcrossAGap) {
   EXPECT_EQ(together, 3 + 3);  // three pixels between the first two, none to the third
   points.beam = {4, 9, 20};
   EXPECT_EQ(Rasterizer(0.0, 0.5).draw(points, 0.0, {64, 3.2}, joined), 3);
+  points.beam = {20, 9, 4};  // listed clockwise
+  EXPECT_EQ(Rasterizer(0.0, 0.5).draw(points, 0.0, {64, 3.2}, joined), 3);
 }
 
 TEST(Rasterize, AWideHallIsShownWhole) {

@@ -1,6 +1,7 @@
 // Laws and hostile input for the five methods of [Jiang19].
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -78,6 +79,47 @@ TEST_P(PaperMethods, ClockwiseSensorsGiveTheSameAnswer) {
   const Scan reference = test::cast_room({}, 360, 0.01, 0.0, 5, 6.0, kPi, true);
   expect_near(match(reference, test::cast_room(truth, 360, 0.01, 0.0, 6, 6.0, kPi, true)).T_ref_scan, truth, reach(),
               1.0);
+}
+
+/// The same beams listed last to first.
+Scan listed_backwards(const Scan& scan) {
+  Scan out = scan;
+  std::reverse(out.ranges.begin(), out.ranges.end());
+  std::reverse(out.states.begin(), out.states.end());
+  std::reverse(out.angles.begin(), out.angles.end());
+  out.geometry.angle_min = scan.angle(scan.size() - 1);
+  out.geometry.angle_increment = -scan.geometry.angle_increment;
+  return out;
+}
+
+/// The same with a list of angles.
+Scan with_listed_angles(const Scan& scan) {
+  Scan out = scan;
+  for (std::size_t i = 0; i < scan.size(); ++i) out.angles.push_back(static_cast<float>(wrap_positive(scan.angle(i))));
+  return out;
+}
+
+TEST_P(PaperMethods, TheOrderInWhichBeamsAreListedDoesNotMatter) {
+  for (const int beams : {360, 357, 700}) {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+      Random random(seed);
+      const Pose2 truth{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), random.uniform(-0.2, 0.2)};
+      const Scan reference = test::cast_room({}, beams, 0.01, 0.02, seed, 6.0, -3.0);
+      const Scan scan = test::cast_room(truth, beams, 0.01, 0.02, seed + 10, 4.0, -3.0);
+      const auto expect_same = [&](const Scan& a, const Scan& b, const MatchResult& expected) {
+        const MatchResult got = match(a, b);
+        expect_near(got.T_ref_scan, expected.T_ref_scan, 1e-6, 1e-4);
+        EXPECT_EQ(got.status, expected.status);
+        EXPECT_EQ(got.rotation_source, expected.rotation_source);
+      };
+      const MatchResult expected = match(reference, scan);
+      expect_same(listed_backwards(reference), listed_backwards(scan), expected);
+      expect_same(listed_backwards(reference), scan, expected);
+      expect_same(reference, listed_backwards(scan), expected);
+      const Scan listed_reference = with_listed_angles(reference), listed = with_listed_angles(scan);
+      expect_same(listed_backwards(listed_reference), listed_backwards(listed), match(listed_reference, listed));
+    }
+  }
 }
 
 TEST_P(PaperMethods, AGuessIsTaken) {

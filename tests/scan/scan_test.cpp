@@ -59,8 +59,9 @@ TEST(Points, ClockwiseSensorsTurnTheOtherWay) {
   const std::vector<float> raw{1.0F, 1.0F};
   ScanPoints points;
   scan_to_points(make_scan(raw, {0.0, -kPi / 2, 0.0, 0.0}), points);
-  EXPECT_NEAR(points.x[0], 1.0, 1e-6);
-  EXPECT_NEAR(points.y[1], -1.0, 1e-6);
+  EXPECT_EQ(points.beam, (std::vector<int>{1, 0}));  // points stand counter-clockwise whichever way beams are listed
+  EXPECT_NEAR(points.x[1], 1.0, 1e-6);
+  EXPECT_NEAR(points.y[0], -1.0, 1e-6);
 }
 
 TEST(Points, TheTwistIsTakenOut) {

@@ -8,7 +8,7 @@
 
 namespace phasescan {
 
-/// Hits in beam order, structure of arrays: x, y [m]; beam = index into the scan.
+/// Hits counter-clockwise, structure of arrays: x, y [m]; beam = index into the scan, falling where it turns clockwise.
 struct ScanPoints {
   std::vector<float> x;
   std::vector<float> y;
