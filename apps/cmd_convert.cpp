@@ -32,6 +32,7 @@ int run_convert(const ConvertFlags& flags) {
     if (InterruptGuard::interrupted()) break;
   }
   if (scans == 0) {
+    if (InterruptGuard::interrupted()) return stopped_with_nothing();
     if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.in);
     return fail(InputError(flags.in, 0, "holds no scan; expected at least one").what(), kAnswerIsNo);
   }

@@ -31,8 +31,10 @@ int run_info(const InfoFlags& flags) {
     summary.add(*entry);
     if (!flags.no_doctor) doctor.add(*entry);
     progress.step(summary.scans());
-    if (InterruptGuard::interrupted()) return kAnswerIsNo;
+    if (InterruptGuard::interrupted()) break;
   }
+  if (InterruptGuard::interrupted())
+    warn("stopped after " + std::to_string(summary.scans()) + " scans; what follows is of these");
   if (summary.scans() == 0 && reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
   print_line("file", flags.log);
   print_line("format", reader->format());

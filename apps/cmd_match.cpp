@@ -132,7 +132,7 @@ int match_pairs(const MatchFlags& flags, const MatchOptions& options, const Matc
   } while (lines.size() == window && !InterruptGuard::interrupted());
   if (InterruptGuard::interrupted()) {
     warn("stopped after " + std::to_string(done) + " pairs");
-    return kAnswerIsNo;
+    return kDone;
   }
   if (bad == 0) return kDone;
   return fail(first_bad + (bad > 1 ? "; and " + std::to_string(bad - 1) + " more bad lines" : ""), kBadInput);

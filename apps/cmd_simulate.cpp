@@ -107,6 +107,7 @@ int simulate_pairs(const SimulateFlags& flags) {
     done += count;
     progress.step(done);
   }
+  if (done == 0) return stopped_with_nothing();
   writer.commit();
   if (done < flags.pairs) warn("stopped after " + std::to_string(done) + " pairs; the file holds these");
   return kDone;
@@ -141,8 +142,13 @@ int simulate_drive(const SimulateFlags& flags) {
     truth.push_back({scan->entry.scan.stamp, scan->T_world_laser});
     progress.step(truth.size());
   }
-  write_file(flags.out + ".truth.tum", format_tum(truth));
+  if (truth.empty() && InterruptGuard::interrupted()) return stopped_with_nothing();
+  // Both or none: when the log is put in place, nothing can fail for its truth any more.
+  AtomicFile truth_file(flags.out + ".truth.tum");
+  truth_file.write(format_tum(truth));
+  truth_file.seal();
   writer.commit();
+  truth_file.commit();
   if (InterruptGuard::interrupted())
     warn("stopped after " + std::to_string(truth.size()) + " scans; the log holds these");
   return kDone;

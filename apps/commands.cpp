@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -23,11 +24,13 @@ std::vector<std::pair<int, AddCommand>>& registry() {
   return commands;
 }
 
-volatile std::sig_atomic_t stop_requested = 0;
+std::atomic<int> stop_signal{0}, guards{0};
+static_assert(std::atomic<int>::is_always_lock_free);
 
-extern "C" void request_stop(int signal_number) {
-  stop_requested = 1;
-  std::signal(signal_number, SIG_DFL);
+extern "C" void stop(int signal_number) {
+  if (stop_signal.exchange(signal_number) == 0 && guards > 0) return;
+  drop_unfinished_files();
+  ::_exit(kStopped + signal_number);
 }
 
 [[noreturn]] void refuse_output() {
@@ -142,16 +145,22 @@ std::vector<double> parse_numbers(const std::string& flag, const std::string& te
   return numbers;
 }
 
+void handle_stop_signals() {
+  std::signal(SIGINT, stop);
+  std::signal(SIGTERM, stop);
+}
+
 InterruptGuard::InterruptGuard() {
-  std::signal(SIGINT, request_stop);
-  std::signal(SIGTERM, request_stop);
+  ++guards;
 }
 InterruptGuard::~InterruptGuard() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  --guards;
 }
 bool InterruptGuard::interrupted() {
-  return stop_requested != 0;
+  return stop_signal != 0;
+}
+int InterruptGuard::exit_code(int code) {
+  return interrupted() ? kStopped + stop_signal : code;
 }
 
 Progress::Progress(std::string what, std::size_t total)
@@ -184,6 +193,11 @@ int fail(std::string reason, int code) {
   std::fflush(stdout);
   std::fprintf(stderr, "phasescan: %s\n", reason.c_str());
   return code;
+}
+
+int stopped_with_nothing() {
+  warn("stopped before there was anything to write; nothing is written");
+  return kDone;
 }
 
 void warn(const std::string& text) {

@@ -18,7 +18,14 @@
 namespace phasescan::app {
 
 /// Exit codes (README: exit codes).
-enum ExitCode { kDone = 0, kAnswerIsNo = 1, kBadInput = 2, kSystemFailure = 3, kDamagedInput = 4 };
+enum ExitCode {
+  kDone = 0,
+  kAnswerIsNo = 1,
+  kBadInput = 2,
+  kSystemFailure = 3,
+  kDamagedInput = 4,
+  kStopped = 128,  ///< + the signal, as shells count: 130 after Ctrl-C, 143 after SIGTERM
+};
 
 /// What a command does once the flags are read; gives the exit code.
 using CommandBody = std::function<int()>;
@@ -61,8 +68,12 @@ Config config_from(const CommonFlags& flags);
 /// expected.
 std::vector<double> parse_numbers(const std::string& flag, const std::string& text, std::size_t count);
 
-/// Catches Ctrl-C and SIGTERM from its construction on, for commands that write what was finished; a second one ends
-/// the process at once.
+/// From here on Ctrl-C and SIGTERM end the process at once with kStopped + signal, and no temporary file stays; under
+/// an InterruptGuard they only ask it to stop.
+void handle_stop_signals();
+
+/// Where a command has something to write when it is stopped: the first Ctrl-C or SIGTERM is told by `interrupted`, the
+/// second one ends the process at once.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -71,6 +82,8 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
   /// Whether the user asked to stop.
   static bool interrupted();
+  /// The exit code of a command: `code`, or that of the signal that it was stopped by.
+  static int exit_code(int code);
 };
 
 /// A progress line on stderr, on a terminal only; gone when the object is.
@@ -92,6 +105,10 @@ class Progress {
 
 /// The one line on stderr of a command that failed, "phasescan: REASON"; gives `code`.
 int fail(std::string reason, int code);
+
+/// For a command that was stopped before it had anything to write: says so, gives kDone (see
+/// InterruptGuard::exit_code).
+int stopped_with_nothing();
 
 /// One warning line on stderr: "phasescan: warning: ...".
 void warn(const std::string& text);

@@ -40,7 +40,7 @@ int run(int argc, char** argv) {
   }
   const int code = body();
   flush();
-  return code;
+  return InterruptGuard::exit_code(code);
 }
 
 }  // namespace
@@ -49,6 +49,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace phasescan;
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit (ulimit -f) is a write that fails, like a full disk
+  app::handle_stop_signals();
   const auto logger = spdlog::stderr_color_st("phasescan");
   logger->set_pattern("%n: %l: %v");
   spdlog::set_default_logger(logger);

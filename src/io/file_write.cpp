@@ -3,11 +3,13 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/file.hpp"
@@ -31,12 +33,54 @@ void sync_folder(const std::string& folder) {
   ::close(fd);
 }
 
+// Names of temporary files, where a signal handler can read them: no lock, no memory from the heap. A file that finds
+// no free slot, or whose name is too long for one, is merely not tidied up after a signal.
+class UnfinishedFiles {
+ public:
+  /// @return its slot, -1 where there is none
+  int add(const std::string& path) {
+    if (path.size() >= kPathBytes) return -1;
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      int expected = kFree;
+      if (!slots_[i].state.compare_exchange_strong(expected, kClaimed)) continue;
+      std::memcpy(slots_[i].path, path.c_str(), path.size() + 1);
+      slots_[i].state = kNamed;
+      return static_cast<int>(i);
+    }
+    return -1;
+  }
+  void remove(int slot) {
+    if (slot >= 0) slots_[static_cast<std::size_t>(slot)].state = kFree;
+  }
+  void drop() const {
+    for (const Slot& slot : slots_) {
+      if (slot.state == kNamed) ::unlink(slot.path);
+    }
+  }
+
+ private:
+  enum State { kFree, kClaimed, kNamed };
+  static constexpr std::size_t kPathBytes = 4096;
+  struct Slot {
+    std::atomic<int> state{kFree};
+    char path[kPathBytes]{};
+  };
+  static_assert(std::atomic<int>::is_always_lock_free);
+  std::array<Slot, 256> slots_;
+};
+constinit UnfinishedFiles unfinished{};
+
 }  // namespace
+
+void drop_unfinished_files() noexcept {
+  unfinished.drop();
+}
 
 struct AtomicFile::Handle {
   std::string path;       // as the caller named it
   std::string target;     // what is renamed onto: `path` with links followed
   std::string temporary;  // empty: written in place (no regular file)
+  int slot = -1;          // of the temporary among the unfinished files
   int fd = -1;
   gzFile gzip = nullptr;
 
@@ -44,6 +88,7 @@ struct AtomicFile::Handle {
     if (gzip != nullptr) gzclose_w(gzip);
     if (fd >= 0) ::close(fd);
     if (!temporary.empty()) ::unlink(temporary.c_str());
+    unfinished.remove(slot);
   }
 
   void write_plain(std::string_view bytes) {
@@ -79,6 +124,7 @@ AtomicFile::AtomicFile(const std::string& path) : handle_(std::make_unique<Handl
     const std::string name = std::filesystem::path(h.target).filename().string();
     const std::string temporary = folder_of(h.target) + "/." + name.substr(0, 200) + ".tmp" +
                                   std::to_string(::getpid()) + "-" + std::to_string(counter++);
+    h.slot = unfinished.add(temporary);
     h.fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (h.fd < 0) {
       const int error = errno;
@@ -112,18 +158,43 @@ void AtomicFile::write(std::string_view bytes) {
   }
 }
 
-void AtomicFile::commit() {
+void AtomicFile::seal() {
   Handle& h = *handle_;
   if (h.gzip != nullptr) {
     const int code = gzclose_w(h.gzip);
     h.gzip = nullptr;
     if (code != Z_OK) refuse(h.path, "cannot be written", code == Z_ERRNO ? errno : EIO);
   }
-  if (h.temporary.empty()) return;
+  if (h.temporary.empty() || h.fd < 0) return;
   if (::fsync(h.fd) != 0) refuse(h.path, "cannot be written", errno);
+  ::close(std::exchange(h.fd, -1));
+}
+
+void AtomicFile::commit() {
+  seal();
+  Handle& h = *handle_;
+  if (h.temporary.empty()) return;
   if (::rename(h.temporary.c_str(), h.target.c_str()) != 0) refuse(h.path, "cannot be written", errno);
   h.temporary.clear();
+  unfinished.remove(std::exchange(h.slot, -1));
   sync_folder(folder_of(h.target));
+}
+
+void FileSet::add(const std::string& name, std::string_view content) {
+  AtomicFile& file = files_.emplace_back(folder_ + "/" + name);
+  file.write(content);
+  file.seal();
+}
+
+void FileSet::commit() {
+  for (const std::string& name : left_out_) {
+    const std::string path = folder_ + "/" + name;
+    struct stat info {};
+    if (::lstat(path.c_str(), &info) != 0 || S_ISDIR(info.st_mode)) continue;
+    if (::unlink(path.c_str()) != 0) refuse(path, "is of an earlier run and cannot be removed", errno);
+  }
+  for (AtomicFile& file : files_) file.commit();
+  files_.clear();
 }
 
 void write_file(const std::string& path, std::string_view content) {

@@ -120,7 +120,7 @@ TEST(SlamOddLogs, CtrlCWritesWhatIsDone) {
                                  ::usleep(50'000);
                                  return true;
                                });
-  EXPECT_TRUE(run.code == 0 || run.code == 4) << run.code << run.err;
+  EXPECT_EQ(run.code, 130) << run.err;
   const json summary = json::parse(slurp(folder / "out/summary.json"));
   EXPECT_FALSE(summary["complete"]);
   EXPECT_NE(run.err.find("stopped after " + summary["scans"].dump() + " scans"), std::string::npos) << run.err;

@@ -66,6 +66,42 @@ TEST(AtomicFile, WhatCannotBeWrittenSaysSo) {
   EXPECT_THROW(full.write("x"), SystemError);
 }
 
+TEST(AtomicFile, ASignalHandlerCanDropWhatIsUnfinished) {
+  const test::TempFolder folder;
+  const std::string path = folder.put("f", "old");
+  AtomicFile file(path);
+  file.write("half of");
+  EXPECT_EQ(files_in(folder.path()), 2U);
+  drop_unfinished_files();
+  EXPECT_EQ(files_in(folder.path()), 1U);
+  EXPECT_EQ(read_file(path), "old");
+}
+
+TEST(FileSet, PutsAllInPlaceOrNone) {
+  const test::TempFolder folder;
+  folder.put("a", "old a");
+  folder.put("gone", "old");
+  folder.put("other", "the user's");
+  {
+    FileSet files(folder.path());
+    files.add("a", "new a");
+    files.leave_out("gone");
+    EXPECT_THROW(files.add("nowhere/b", "new b"), InputError);
+  }
+  EXPECT_EQ(read_file(folder / "a"), "old a");
+  EXPECT_EQ(files_in(folder.path()), 3U);
+  FileSet files(folder.path());
+  files.add("a", "new a");
+  files.add("b", "new b");
+  files.leave_out("gone");
+  files.leave_out("never there");
+  files.commit();
+  EXPECT_EQ(read_file(folder / "a"), "new a");
+  EXPECT_EQ(read_file(folder / "b"), "new b");
+  EXPECT_FALSE(fs::exists(folder / "gone"));
+  EXPECT_EQ(files_in(folder.path()), 3U);
+}
+
 TEST(LineReader, EveryKindOfLineEndAndTheMarkAtTheStart) {
   const test::TempFolder folder;
   LineReader lines(folder.put("l", "\xEF\xBB\xBFone\r\n\ntwo\nthree"));

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace phasescan {
 
@@ -79,6 +80,9 @@ class AtomicFile {
 
   /// @throws SystemError, e.g. disk full.
   void write(std::string_view bytes);
+  /// Brings all bytes to the disk: what can fail has failed by then. Nothing may be written after it. @throws
+  /// SystemError
+  void seal();
   /// Makes the file visible under its name. @throws SystemError
   void commit();
 
@@ -91,6 +95,29 @@ class AtomicFile {
 
 /// Writes one file whole or not at all. @throws as AtomicFile.
 void write_file(const std::string& path, std::string_view content);
+
+/// Files of one folder that belong together: none is put in place before all are written, so that a run which fails
+/// leaves those of the run before as they were.
+class FileSet {
+ public:
+  explicit FileSet(std::string folder) : folder_(std::move(folder)) {}
+
+  /// Writes a file beside its place. @throws as AtomicFile
+  void add(const std::string& name, std::string_view content);
+  /// One that an earlier run may have left and this one has not: `commit` removes it.
+  void leave_out(const std::string& name) { left_out_.push_back(name); }
+  /// Puts the files in place in the order of `add`. @throws SystemError
+  void commit();
+
+ private:
+  std::string folder_;
+  std::vector<AtomicFile> files_;
+  std::vector<std::string> left_out_;
+};
+
+/// Deletes what every AtomicFile has written beside its place by now. Async-signal-safe: for a signal handler that ends
+/// the process.
+void drop_unfinished_files() noexcept;
 
 /// Makes a folder and those above it. @throws InputError if a file is in the way, SystemError
 void make_folder(const std::string& path);
