@@ -25,8 +25,10 @@ int run_scaling(const ScalingFlags& flags) {
   for (ScalingCurve& curve : measure_scaling(ScalingAxis::kRange, methods, settings))
     curves.push_back(std::move(curve));
   const std::string text = scaling_markdown(curves);
-  write_file(flags.out + "/scaling.svg", scaling_svg(curves));
-  write_file(flags.out + "/scaling.md", text);
+  FileSet files(flags.out);
+  files.add("scaling.svg", scaling_svg(curves));
+  files.add("scaling.md", text);
+  files.commit();
   print(text);
   return kDone;
 }

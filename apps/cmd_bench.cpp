@@ -1,5 +1,6 @@
 // phasescan bench: success, honesty, accuracy and time of methods on pairs files and simulated sets.
 #include <algorithm>
+#include <optional>
 
 #include "commands.hpp"
 #include "phasescan/eval/bench_report.hpp"
@@ -33,11 +34,22 @@ PairSource chain(std::vector<PairSource> sources) {
   };
 }
 
-void write_results(const std::string& folder, const BenchRun& run, const std::vector<BenchMethod>& methods,
-                   const BenchInfo& info) {
-  for (const auto& [name, svg] : bench_figures(run, methods, info)) write_file(folder + "/" + name, svg);
-  write_file(folder + "/results.md", bench_markdown(run, methods, info));
-  write_file(folder + "/results.json", bench_json(run, methods, info));
+FileSet result_files(const std::string& folder, const BenchRun& run, const std::vector<BenchMethod>& methods,
+                     const BenchInfo& info) {
+  FileSet files(folder);
+  const auto figures = bench_figures(run, methods, info);
+  for (const std::string_view name : bench_figure_names()) {
+    // Not every run has every figure; one of an earlier run must not stand beside this one's results.
+    const auto figure = figures.find(std::string(name));
+    if (figure == figures.end()) {
+      files.leave_out(std::string(name));
+    } else {
+      files.add(figure->first, figure->second);
+    }
+  }
+  files.add("results.md", bench_markdown(run, methods, info));
+  files.add("results.json", bench_json(run, methods, info));
+  return files;
 }
 
 int run_bench_command(const BenchFlags& flags) {
@@ -71,6 +83,8 @@ int run_bench_command(const BenchFlags& flags) {
                            std::to_string(seed));
   }
   make_folder(flags.out);  // before the work, so that a folder that cannot be made costs no minutes
+  std::optional<AtomicFile> features;
+  if (!flags.features.empty()) features.emplace(flags.features);
   Progress progress("pairs", flags.pairs.empty() ? flags.sim.size() * flags.count : 0);
   BenchSettings settings;
   settings.threads = common.threads;
@@ -79,10 +93,16 @@ int run_bench_command(const BenchFlags& flags) {
   settings.progress = [&](std::size_t done) { progress.step(done); };
   const InterruptGuard guard;
   const BenchRun run = run_bench(chain(std::move(sources)), methods, settings);
+  if (InterruptGuard::interrupted() && run.pairs == 0) return stopped_with_nothing();
   if (InterruptGuard::interrupted())
     warn("stopped after " + std::to_string(run.pairs) + " pairs; the results are of these");
-  write_results(flags.out, run, methods, info);
-  if (!flags.features.empty()) write_file(flags.features, bench_features(run, methods));
+  FileSet files = result_files(flags.out, run, methods, info);
+  if (features) {
+    features->write(bench_features(run, methods));
+    features->seal();
+  }
+  files.commit();
+  if (features) features->commit();
   return kDone;
 }
 

@@ -22,10 +22,12 @@ int run_paper_command(PaperFlags& flags) {
   const PaperFiles files = run_paper(flags.options, [&](std::string_view) { progress.step(part++); });
   make_folder(flags.out + "/figures");
   make_folder(flags.out + "/data");
+  FileSet results(flags.out);
   for (const auto& [name, content] : files) {
-    if (name != "report.html") write_file(flags.out + "/" + name, content);
+    if (name != "report.html") results.add(name, content);
   }
-  write_file(flags.out + "/report.html", files.at("report.html"));
+  results.add("report.html", files.at("report.html"));
+  results.commit();
   print(flags.out + "/report.html\n");
   return kDone;
 }

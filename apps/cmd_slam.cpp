@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <optional>
 
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
@@ -46,7 +47,6 @@ class ScanProgress {
 
 /// Reads to the end of the log or until the user stops it.
 void feed(LogReader& reader, Slam& slam, InputCheck& check, const SlamFlags& flags, SlamRun& run) {
-  const InterruptGuard guard;
   ScanProgress progress;
   while (!InterruptGuard::interrupted()) {
     std::optional<LogEntry> entry = reader.next();
@@ -100,24 +100,31 @@ int run_slam(const SlamFlags& flags) {
     run.odometry_assumed = source.assumed;
   }
   make_folder(flags.out);
+  std::optional<McapWriter> mcap;  // opened before the work, so that a name that cannot be written costs no minutes
+  if (!flags.mcap.empty()) mcap.emplace(flags.mcap);
   Slam slam(config.slam, flags.common.threads);
   InputCheck check;
   run.check = &check;
+  const InterruptGuard guard;  // until the results are in place: what was finished is not lost
   feed(*reader, slam, check, flags, run);
   if (slam.records().empty()) {
+    if (InterruptGuard::interrupted()) return stopped_with_nothing();
     if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
     return fail(InputError(flags.log, 0, "holds no scan; expected at least one").what(), kAnswerIsNo);
   }
   if (!run.complete)
     warn("stopped after " + std::to_string(slam.records().size()) + " scans; the results are of these");
   slam.finish();
+  if (run.complete && InterruptGuard::interrupted())
+    warn("asked to stop after the last scan; the results are of the whole log");
   run.total_cpu_s = process_cpu_seconds() - cpu;
   run.total_wall_s = wall_seconds() - wall;
   for (const LogDamage& damage : reader->damages()) ++run.damages[damage.kind];
   if (reader->damage_count() > reader->damages().size())
     run.damages["further damage"] = reader->damage_count() - reader->damages().size();
-  write_slam_output(flags.out, slam, run);
-  if (!flags.mcap.empty()) write_slam_mcap(flags.mcap, flags.log, log_options, slam, run.glass_blocks);
+  FileSet files = slam_output(flags.out, slam, run);
+  if (mcap) write_slam_mcap(*mcap, flags.log, log_options, slam, run.glass_blocks);
+  files.commit();
   for (const auto& [kind, oddity] : check.oddities()) {
     warn(oddity.first + (oddity.count > 1 ? " (" + std::to_string(oddity.count) + " times: " + kind + ")" : ""));
   }

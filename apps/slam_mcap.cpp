@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "phasescan/io/log_writer.hpp"
-#include "phasescan/io/mcap_writer.hpp"
 #include "phasescan/map/trinary_map.hpp"
 #include "slam_output.hpp"
 
@@ -22,11 +21,10 @@ void write_map(McapWriter& file, Stamp stamp, const TrinaryMap& map) {
 
 }  // namespace
 
-void write_slam_mcap(const std::string& path, const std::string& log, const LogOptions& options, const Slam& slam,
+void write_slam_mcap(McapWriter& file, const std::string& log, const LogOptions& options, const Slam& slam,
                      bool glass_blocks) {
   const std::vector<Pose2> trajectory = slam.trajectory();
   const std::vector<Pose2> odometry = slam.odometry_trajectory();
-  McapWriter file(path);
   const Stamp start = slam.records().front().stamp;
   std::vector<std::pair<Stamp, Pose2>> poses;
   poses.reserve(trajectory.size());

@@ -180,23 +180,22 @@ FinishedMap finished_map(const Slam& slam, bool glass_blocks) {
   return out;
 }
 
-void write_slam_output(const std::string& folder, const Slam& slam, const SlamRun& run) {
+FileSet slam_output(const std::string& folder, const Slam& slam, const SlamRun& run) {
   make_folder(folder);
-  const std::string base = folder + "/";
+  FileSet files(folder);
   const std::vector<Pose2> trajectory = slam.trajectory();
   std::vector<StampedPose> stamped;
   stamped.reserve(trajectory.size());
   for (std::size_t i = 0; i < trajectory.size(); ++i) stamped.push_back({slam.records()[i].stamp, trajectory[i]});
-  write_file(base + "trajectory.tum", format_tum(stamped));
+  files.add("trajectory.tum", format_tum(stamped));
   stamped = {};
-  write_file(base + "graph.g2o", format_g2o(slam.backend().graph()));
+  files.add("graph.g2o", format_g2o(slam.backend().graph()));
   const auto [map, panes] = finished_map(slam, run.glass_blocks);
-  write_file(base + "map.pgm", format_pgm(map));
-  write_file(base + "map.yaml", format_map_yaml(map, "map.pgm"));
-  write_file(base + "map.png", format_png(map, paints_of(map, panes)));
+  files.add("map.pgm", format_pgm(map));
+  files.add("map.yaml", format_map_yaml(map, "map.pgm"));
+  files.add("map.png", format_png(map, paints_of(map, panes)));
   Json summary = summary_of(slam, run, trajectory, map);
   summary["glass"] = glass_summary(panes, run.glass_blocks);
-  write_file(base + "summary.json", summary.dump(2) + "\n");
 
   SlamReport report;
   report.log_name = summary["log"];
@@ -226,8 +225,14 @@ void write_slam_output(const std::string& folder, const Slam& slam, const SlamRu
                                         summary["glass"]["total_m"].dump(), summary["glass"]["possible_count"].dump()));
   report.facts.emplace_back("odometry", run.odometry_assumed);
   report.warnings = warning_lines(summary, run);
-  write_file(base + "report.html", format_slam_report(report));
-  if (run.times) write_file(base + "timing.json", timing_of(run).dump(2) + "\n");
+  files.add("report.html", format_slam_report(report));
+  if (run.times) {
+    files.add("timing.json", timing_of(run).dump(2) + "\n");
+  } else {
+    files.leave_out("timing.json");
+  }
+  files.add("summary.json", summary.dump(2) + "\n");  // put in place last: beside a new summary all is new
+  return files;
 }
 
 }  // namespace phasescan::app

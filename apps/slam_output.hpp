@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "phasescan/io/file.hpp"
 #include "phasescan/map/glass.hpp"
 #include "phasescan/map/trinary_map.hpp"
 #include "phasescan/slam/input_check.hpp"
@@ -39,8 +40,8 @@ struct FinishedMap {
 /// @param glass_blocks  sure panes are occupied
 FinishedMap finished_map(const Slam& slam, bool glass_blocks);
 
-/// Writes trajectory.tum, map.pgm, map.yaml, map.png, graph.g2o, report.html, summary.json and, with times,
-/// timing.json: each whole or not at all. @throws SystemError
-void write_slam_output(const std::string& folder, const Slam& slam, const SlamRun& run);
+/// trajectory.tum, map.pgm, map.yaml, map.png, graph.g2o, report.html, summary.json and, with times, timing.json:
+/// written, not yet in place. Without times, timing.json of an earlier run goes when they are. @throws SystemError
+FileSet slam_output(const std::string& folder, const Slam& slam, const SlamRun& run);
 
 }  // namespace phasescan::app

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -220,6 +221,12 @@ Chart overlap_chart(const std::vector<PairOutcome>& outcomes, const std::vector<
     chart.series.push_back(std::move(s));
   }
   return chart;
+}
+
+std::span<const std::string_view> bench_figure_names() {
+  static constexpr std::array<std::string_view, 6> kNames{"success.svg",   "overlap.svg", "errors.svg",
+                                                          "corridors.svg", "time.svg",    "reliability.svg"};
+  return kNames;
 }
 
 std::map<std::string, std::string> bench_figures(const BenchRun& run, const std::vector<BenchMethod>& methods,

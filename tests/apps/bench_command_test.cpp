@@ -62,6 +62,38 @@ TEST(BenchCommand, VariantsAreColumnsAndAWrongOneIsNamed) {
   EXPECT_NE(wrong.err.find("no option mh.twin"), std::string::npos) << wrong.err;
 }
 
+TEST(BenchCommand, FiguresOfAnEarlierRunDoNotStandBesideTheResults) {
+  const TempFolder folder;
+  const auto bench = [&](const std::string& method, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"bench",    "--sim", "bench-sim", "--count",     "4",
+                                          "--method", method,  "--out",     folder / "out"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_command(arguments);
+  };
+  ASSERT_EQ(bench("fft-mh", {}).code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/time.svg"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/reliability.svg"));
+  folder.put("out/mine.svg", "of the user");
+  ASSERT_EQ(bench("icp", {"--no-times"}).code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/time.svg"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/reliability.svg"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/success.svg"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/mine.svg"));
+  // A file that cannot be written is refused before the work, and nothing changes.
+  const std::string before = read_all(folder / "out");
+  EXPECT_EQ(bench("ndt", {"--features", folder / "no/where.csv"}).code, 2);
+  EXPECT_EQ(read_all(folder / "out"), before);
+}
+
+TEST(BenchCommand, OutIsAFolder) {
+  const TempFolder folder;
+  const std::string file = folder.put("file", "kept");
+  const CommandResult result = run_command({"bench", "--sim", "bench-sim", "--count", "1", "--out", file});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("file: is a file, or lies in one; expected a folder"), std::string::npos) << result.err;
+  EXPECT_EQ(slurp(file), "kept");
+}
+
 TEST(BenchCommand, ScalingWritesItsFigureAndPrintsTheExponents) {
   const TempFolder folder;
   const CommandResult result =

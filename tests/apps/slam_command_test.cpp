@@ -1,7 +1,10 @@
 // The slam and eval commands from outside: whole runs, good logs and bad ones, the same bytes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -71,6 +74,43 @@ TEST(SlamCommand, SameBytesWhateverTheThreads) {
     EXPECT_EQ(slurp(one / "out/" + file), slurp(two / "out/" + file)) << file;
   }
   EXPECT_EQ(slurp(one / "out/timing.json"), "");
+}
+
+TEST(SlamCommand, ResultsOfTwoRunsDoNotMix) {
+  const TempFolder folder;
+  const ToyLog log = toy_log(60);
+  const auto all = [&] {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "out"))
+      files[entry.path().filename().string()] = slurp(entry.path().string());
+    return files;
+  };
+  ASSERT_EQ(slam(folder, log.flaser).code, 0);
+  folder.put("out/notes.txt", "of the user");
+  const auto first = all();
+  EXPECT_EQ(first.size(), 9u);
+  // Runs that end in nothing leave what was there, every byte of it.
+  const std::string shorter = toy_log(40).flaser;
+  EXPECT_EQ(slam(folder, "PARAM robot_frontlaser_offset 0.0 nohost 0\n").code, 1);
+  EXPECT_EQ(all(), first);
+  EXPECT_EQ(slam(folder, shorter, {"--mcap", folder / "no/where.mcap"}).code, 2);
+  EXPECT_EQ(all(), first);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  rlimit small = before;
+  small.rlim_cur = 8192;  // the trajectory goes in, the map does not
+  folder.put("toy.log", shorter);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  const auto full = run_command({"slam", folder / "toy.log", "--out", folder / "out"});
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(full.code, 3) << full.err;
+  EXPECT_EQ(all(), first);
+  // One without times takes the old ones away.
+  EXPECT_EQ(slam(folder, shorter, {"--no-times"}).code, 0);
+  const auto second = all();
+  EXPECT_EQ(second.size(), 8u);
+  EXPECT_EQ(second.count("timing.json"), 0u);
+  EXPECT_EQ(second.count("notes.txt"), 1u);
 }
 
 TEST(SlamCommand, BadLogsEndInAMapOfWhatWasGood) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "phasescan/eval/bench.hpp"
@@ -30,6 +32,9 @@ std::string bench_markdown(const BenchRun& run, const std::vector<BenchMethod>& 
 /// File name (without folder) -> SVG.
 std::map<std::string, std::string> bench_figures(const BenchRun& run, const std::vector<BenchMethod>& methods,
                                                  const BenchInfo& info);
+
+/// Every name that `bench_figures` may give, whether a run has that figure or not.
+std::span<const std::string_view> bench_figure_names();
 
 /// What each confidence was computed from, a line per answer that has one, as CSV with a header: source, dataset,
 /// class, id, method, right, usable, ambiguous, confidence, weak_sigma_m, across_m (see PairOutcome), and the features
