@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <deque>
 #include <fstream>
 
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
+#include "phasescan/io/error.hpp"
 #include "phasescan/sim/drive.hpp"
 #include "phasescan/sim/pairs_spec.hpp"
 #include "phasescan/sim/world_file.hpp"
@@ -33,7 +36,7 @@ class Errors {
   explicit Errors(const std::string& trace) {
     if (trace.empty()) return;
     trace_.open(trace);
-    if (!trace_) throw std::runtime_error(fmt::format("{}: cannot be written", trace));
+    if (!trace_) throw SystemError(trace, std::string("cannot be written: ") + std::strerror(errno));
     trace_ << "scans,nodes,largest_off_m\n";
   }
 

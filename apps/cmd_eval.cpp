@@ -13,6 +13,8 @@
 namespace phasescan::app {
 namespace {
 
+constexpr const char* kNoPose = "not one pose; expected lines of stamp x y z qx qy qz qw";
+
 struct EvalFlags {
   std::string trajectory, reference, relations, closure, laser;
   double max_gap_s = 0.01, delta = 1.0;
@@ -41,6 +43,7 @@ ErrorStats squared(const std::vector<double>& errors, double scale) {
 
 int eval_reference(const EvalFlags& flags, const std::vector<StampedPose>& trajectory) {
   const std::vector<StampedPose> reference = read_tum(flags.reference);
+  if (reference.empty()) throw InputError(flags.reference, 0, kNoPose);
   const AssociatedPoses pairs = associate(trajectory, reference, flags.max_gap_s);
   if (pairs.estimate.empty()) {
     throw InputError(
@@ -163,8 +166,7 @@ void add_eval_command(CLI::App& app, CommandBody& body) {
         throw std::invalid_argument(
             "eval: neither --reference nor --relations nor --closure is given; expected one of them");
       const std::vector<StampedPose> trajectory = read_tum(flags->trajectory);
-      if (trajectory.empty())
-        throw InputError(flags->trajectory, 0, "not one pose; expected lines of stamp x y z qx qy qz qw");
+      if (trajectory.empty()) throw InputError(flags->trajectory, 0, kNoPose);
       if (!flags->closure.empty()) return eval_closure(*flags, trajectory);
       return flags->relations.empty() ? eval_reference(*flags, trajectory) : eval_relations(*flags, trajectory);
     };

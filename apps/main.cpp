@@ -4,6 +4,7 @@
 #include <csignal>
 #include <new>
 #include <sstream>
+#include <stdexcept>
 
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
@@ -11,6 +12,17 @@
 
 namespace phasescan::app {
 namespace {
+
+/// A flag that swallowed the next one, as in `--out $UNSET --no-times`, is a mistake, not a folder of that name.
+void refuse_flags_as_values(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& value : option->results()) {
+      if (value.starts_with("--") && command.get_option_no_throw(value) != nullptr)
+        throw std::invalid_argument(option->get_name() + ": has no value before " + value + "; expected one");
+    }
+  }
+  for (const CLI::App* sub : command.get_subcommands()) refuse_flags_as_values(*sub);
+}
 
 int run(int argc, char** argv) {
   CLI::App app{"phasescan: the motion between two lidar scans, with no first guess, and maps from it", "phasescan"};
@@ -38,6 +50,7 @@ int run(int argc, char** argv) {
     const std::string help = used.empty() ? "phasescan --help" : "phasescan " + used.front()->get_name() + " --help";
     return fail(std::string(error.what()) + "; expected what `" + help + "` says", kBadInput);
   }
+  refuse_flags_as_values(app);
   const int code = body();
   flush();
   return InterruptGuard::exit_code(code);

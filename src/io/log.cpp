@@ -28,10 +28,14 @@ std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& o
   const bool folder = kind == std::filesystem::file_type::directory;
   const std::string prefix = folder ? std::string() : read_prefix(path, kPrefixBytes);
   if (!folder && prefix.empty()) throw InputError(path, 1, "the file is empty; expected a log");
-  if (!folder && !options.columns.empty()) return open_csv(path, options);
+  if (!folder && !options.columns.empty() && options.topic.empty()) return open_csv(path, options);
   std::string names;
   for (const LogFormat& format : log_formats()) {
-    if (format.probe(path, prefix)) return format.open(path, options);
+    if (format.probe(path, prefix)) {
+      if (!options.topic.empty() && !format.topics)
+        throw InputError(path, 0, "has no topics: " + std::string(format.name) + "; expected no --topic with it");
+      return format.open(path, options);
+    }
     names += (names.empty() ? "" : ", ") + std::string(format.name);
   }
   throw InputError(

@@ -23,6 +23,7 @@ struct LogFormat {
   bool (*probe)(const std::string& path, std::string_view prefix);
   /// @throws InputError, SystemError
   std::unique_ptr<LogReader> (*open)(const std::string& path, const LogOptions& options);
+  bool topics = false;  ///< whether LogOptions::topic means anything
 };
 
 LogFormat scan_log_format();

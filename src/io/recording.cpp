@@ -56,19 +56,19 @@ std::unique_ptr<LogReader> open_known(const std::string& path, const LogOptions&
 
 LogFormat rosbag1_format() {
   return {"rosbag1", [](const std::string&, std::string_view prefix) { return looks_like_rosbag1(as_bytes(prefix)); },
-          open_known};
+          open_known, true};
 }
 
 LogFormat rosbag2_format() {
   return {
       "rosbag2 (a folder or a .db3)",
       [](const std::string&, std::string_view prefix) { return prefix.empty() || looks_like_sqlite(as_bytes(prefix)); },
-      open_known};
+      open_known, true};
 }
 
 LogFormat mcap_format() {
   return {"MCAP", [](const std::string&, std::string_view prefix) { return looks_like_mcap(as_bytes(prefix)); },
-          open_known};
+          open_known, true};
 }
 
 }  // namespace phasescan

@@ -65,11 +65,22 @@ TEST(Usage, AFlagWithoutAMeaningHereIsNotPassedOver) {
   expect_refusal({"match", scan, scan, "--guess", ""}, "--guess: is empty");
   expect_refusal({"match", scan, scan, "--plot", ""}, "--plot: is empty");
   expect_refusal({"slam", scan, "--out", out, "--mcap", ""}, "--mcap: is empty");
+  expect_refusal({"slam", scan, "--out", out, "--topic", "/scan"}, "scan: has no topics: scan log");
+  expect_refusal({"info", scan, "--topic", "/scan", "--columns", "stamp,ranges"}, "scan: has no topics");
   const std::string poses = folder.put("t.tum", "0 0 0 0 0 0 0 1\n");
   expect_refusal({"eval", "--trajectory", poses, "--reference", poses, "--laser", "1,0,0"}, "--laser");
   const std::string two = folder.put("c.yaml", "match:\n  fast: true\n---\nmatch:\n  fast: false\n");
   expect_refusal({"config", "--dump", "--config", two}, "c.yaml:4: a second document");
   EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(Usage, AFlagIsNoValueOfTheOneBeforeIt) {
+  const TempFolder folder;
+  const std::string scan = folder.put("scan", kScan), out = folder / "out";
+  expect_refusal({"slam", scan, "--out", "--no-times"}, "--out: has no value before --no-times");
+  expect_refusal({"bench", "--pairs", "--out", out}, "--pairs: has no value before --out");
+  expect_refusal({"paper", "--out", "--quick"}, "--out: has no value before --quick");
+  EXPECT_FALSE(std::filesystem::exists("--no-times"));
 }
 
 TEST(Usage, WhatIsNoFolderIsNotWrittenTo) {
@@ -89,6 +100,7 @@ TEST(Usage, TrajectoriesAreReadLikeAnyOtherFile) {
   expect_refusal({"eval", "--trajectory", folder / "absent", "--reference", poses}, "absent: no such file");
   expect_refusal({"eval", "--trajectory", poses, "--reference", folder / "absent"}, "absent: no such file");
   expect_refusal({"eval", "--trajectory", folder.path(), "--reference", poses}, "is a folder");
+  expect_refusal({"eval", "--trajectory", poses, "--reference", folder.put("none.tum", "")}, "none.tum: not one pose");
   expect_refusal({"eval", "--trajectory", poses, "--relations", folder / "absent"}, "absent: no such file");
   expect_refusal({"eval", "--trajectory", poses, "--relations", folder.path()}, "is a folder");
   write_file(folder / "packed.tum.gz", text);
