@@ -92,8 +92,14 @@ class MapWriter final : public PoseWriter {
   }
   void write() override {
     const TrinaryMap map = make_trinary(grid_);
-    write_file(stem_ + ".pgm", format_pgm(map));
-    write_file(stem_ + ".yaml", format_map_yaml(map, stem_.substr(stem_.find_last_of('/') + 1) + ".pgm"));
+    // Both or none: an image beside the yaml of another map would be read with its scale.
+    AtomicFile image(stem_ + ".pgm"), yaml(stem_ + ".yaml");
+    image.write(format_pgm(map));
+    yaml.write(format_map_yaml(map, stem_.substr(stem_.find_last_of('/') + 1) + ".pgm"));
+    image.seal();
+    yaml.seal();
+    image.commit();
+    yaml.commit();
   }
 
  private:

@@ -89,6 +89,17 @@ TEST(ConvertCommand, SaysWhatTheOtherFormatCannotHold) {
   EXPECT_EQ(run_command({"convert", scan, folder / "out.jsonl"}).err, "");
 }
 
+TEST(ConvertCommand, AMapIsBothItsFilesOrNone) {
+  const TempFolder folder;
+  test::write_bytes(folder / "in", test::mcap(messages()));
+  std::filesystem::create_directory(folder / "out.yaml");
+  EXPECT_EQ(run_command({"convert", folder / "in", folder / "out.pgm"}).code, 2);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.pgm"));
+  std::filesystem::remove(folder / "out.yaml");
+  EXPECT_EQ(run_command({"convert", folder / "in", folder / "out.pgm"}).code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "out.pgm") && std::filesystem::exists(folder / "out.yaml"));
+}
+
 TEST(ConvertCommand, SaysWhatItDidNotRead) {
   const TempFolder folder;
   const std::string whole = test::mcap(messages());
