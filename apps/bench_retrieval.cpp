@@ -37,9 +37,11 @@ struct Query {
 };
 
 int run_fit(const RetrievalFlags& flags) {
+  AtomicFile file(flags.fit);  // before the work, so that a name that cannot be written costs no minutes
   Progress progress("places", 4 * flags.places);
-  write_file(flags.fit, fit_place_projection(flags.common.seed, flags.places,
-                                             [&progress](std::size_t done) { progress.step(done); }));
+  file.write(
+      fit_place_projection(flags.common.seed, flags.places, [&progress](std::size_t done) { progress.step(done); }));
+  file.commit();
   return kDone;
 }
 

@@ -93,6 +93,16 @@ TEST(Usage, WhatIsNoFolderIsNotWrittenTo) {
   expect_refusal({"slam", scan, "--out", ""}, "the folder name is empty");
 }
 
+TEST(Usage, ANameThatCannotBeWrittenCostsNoWork) {
+  const TempFolder folder;
+  // The work would take hours.
+  expect_refusal({"bench", "retrieval", "--fit", folder / "no/fit", "--places", "10000000"},
+                 "its folder does not exist");
+  expect_refusal({"bench", "--sim", "bench-sim", "--count", "10000000", "--features", folder / "no/f.csv", "--out",
+                  folder / "out"},
+                 "its folder does not exist");
+}
+
 TEST(Usage, TrajectoriesAreReadLikeAnyOtherFile) {
   const TempFolder folder;
   const std::string text = "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0 0 0 0 0 1\n";
