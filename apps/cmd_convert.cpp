@@ -47,7 +47,9 @@ void add_convert_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("convert", "a log in another format");
   auto flags = std::make_shared<ConvertFlags>();
   command->add_option("IN", flags->in, "a log of any readable format")->required();
-  command->add_option("OUT", flags->out, "the file to write; its ending tells the format")->required();
+  command->add_option("OUT", flags->out, "the file to write; its ending tells the format")
+      ->required()
+      ->check(not_empty());
   command->add_option("--to", flags->to, "the format, whatever OUT is called")
       ->check(CLI::IsMember(log_target_names()));
   command->add_option("--topic", flags->options.topic, "ROS logs: only this scan topic");

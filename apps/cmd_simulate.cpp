@@ -166,12 +166,21 @@ void add_simulate_command(CLI::App& app, CommandBody& body) {
                       "a kind (" + kinds + "), KIND:SEED for one building, or a YAML file; flat");
   command->add_option("--sensor", flags->sensor, "a sensor (" + sensors + ") or a YAML file")->capture_default_str();
   command->add_option("--path", flags->path, "a kind (" + paths + ") or a YAML file of points")->capture_default_str();
-  command->add_option("--speed", flags->drive.speed_mps, "m/s, at most")->capture_default_str();
-  command->add_option("--turn-rate", flags->drive.turn_rate_dps, "deg/s, at most")->capture_default_str();
-  command->add_option("--duration", flags->drive.duration_s, "seconds; 0: one round of a tour, else 60 s")
+  command->add_option("--speed", flags->drive.speed_mps, "m/s, at most")
+      ->check(number_from_zero())
       ->capture_default_str();
-  command->add_option("--jitter", flags->drive.jitter_m, "vibration, m (standard deviation)")->capture_default_str();
-  command->add_option("--jitter-deg", flags->drive.jitter_deg, "vibration of the heading, deg")->capture_default_str();
+  command->add_option("--turn-rate", flags->drive.turn_rate_dps, "deg/s, at most")
+      ->check(number_from_zero())
+      ->capture_default_str();
+  command->add_option("--duration", flags->drive.duration_s, "seconds; 0: one round of a tour, else 60 s")
+      ->check(number_from_zero())
+      ->capture_default_str();
+  command->add_option("--jitter", flags->drive.jitter_m, "vibration, m (standard deviation)")
+      ->check(number_from_zero())
+      ->capture_default_str();
+  command->add_option("--jitter-deg", flags->drive.jitter_deg, "vibration of the heading, deg")
+      ->check(number_from_zero())
+      ->capture_default_str();
   command->add_option("--people", flags->what.people, "people walking about")->capture_default_str();
   command->add_flag("--odometry", flags->what.odometry, "wheel odometry in the log: drifting, noisy, slipping");
   command->add_flag("--no-motion", flags->no_motion, "all beams of a scan at one time: no distortion by motion");

@@ -49,6 +49,11 @@ TEST(Usage, NumbersThatAFlagCannotMean) {
     expect_refusal({"simulate", "--out", out, "--pairs", pairs}, "--pairs: ");
   for (const char* metres : {"nan", "inf", "0", "-1", "1e999", ""})
     expect_refusal({"slam", scan, "--out", out, "--range-max", metres}, "--range-max: ");
+  for (const char* flag : {"--speed", "--turn-rate", "--duration", "--jitter", "--jitter-deg"}) {
+    for (const char* value : {"nan", "-1", "inf", "x"})
+      expect_refusal({"simulate", "--out", out, flag, value}, std::string(flag) + ": ");
+  }
+  expect_refusal({"convert", scan, ""}, "OUT: is empty");
   const std::string poses = folder.put("t.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n");
   expect_refusal({"eval", "--trajectory", poses, "--reference", poses, "--max-gap", "nan"}, "--max-gap: ");
   expect_refusal({"eval", "--trajectory", poses, "--reference", poses, "--delta", "-1"}, "--delta: ");
