@@ -84,7 +84,7 @@ int run_retrieval(const RetrievalFlags& flags) {
   const std::size_t verify_stride = std::max<std::size_t>(1, queries.size() / std::max<std::size_t>(flags.verify, 1));
   for (std::size_t q = 0; q < queries.size(); ++q) {
     const double start = thread_cpu_seconds();
-    const std::vector<PlaceHit> hits = index.nearest(queries[q].descriptor, 10);
+    const std::vector<PlaceHit> hits = index.most_alike(queries[q].descriptor, 10);
     query_us.push_back(1e6 * (thread_cpu_seconds() - start));
     bool there = false;
     for (std::size_t r = 0; r < hits.size(); ++r) {

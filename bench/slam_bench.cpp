@@ -71,10 +71,11 @@ void BM_PlaceIndex(benchmark::State& state) {
   PlaceIndex index;
   PlaceDescriptor d;
   for (std::int64_t i = 0; i < state.range(0); ++i) {
-    for (auto& v : d) v = static_cast<std::int8_t>(static_cast<int>(random.below(256)) - 128);
+    for (auto& v : d.numbers) v = static_cast<std::int8_t>(static_cast<int>(random.below(256)) - 128);
+    for (auto& v : d.turning) v = static_cast<std::uint8_t>(random.below(256));
     index.add(d);
   }
-  for (auto _ : state) benchmark::DoNotOptimize(index.nearest(d, 10));
+  for (auto _ : state) benchmark::DoNotOptimize(index.most_alike(d, 10));
 }
 BENCHMARK(BM_PlaceIndex)->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMicrosecond);
 

@@ -97,7 +97,7 @@ PlaceDescriber::~PlaceDescriber() = default;
 PlaceDescriber::PlaceDescriber(PlaceDescriber&&) noexcept = default;
 
 bool PlaceDescriber::features(std::span<const float> x, std::span<const float> y, PlaceFeatures& out) {
-  out.fill(0.0F);
+  out.fill({});
   Impl& m = *impl_;
   m.select(x, y);
   if (m.points.size() == 0) return false;
@@ -119,13 +119,13 @@ bool PlaceDescriber::features(std::span<const float> x, std::span<const float> y
     for (std::size_t h = 0; h < kPlaceHarmonics; ++h) {
       const float re = parts[h], im = parts[kPlaceHarmonics + h];
       // The mean of a ring is real and counts half.
-      const float value = std::sqrt(re * re + im * im) * (h == 0 ? 0.5F : 1.0F);
-      out[r * kPlaceHarmonics + h] = value;
-      sum += value;
+      const float weight = h == 0 ? 0.5F : 1.0F;
+      out[r * kPlaceHarmonics + h] = {weight * re, weight * im};
+      sum += weight * std::sqrt(re * re + im * im);
     }
   }
   if (!(sum > 0.0F)) return false;
-  for (float& value : out) value *= static_cast<float>(kPlaceFeatures) / sum;
+  for (auto& value : out) value *= static_cast<float>(kPlaceFeatures) / sum;
   return true;
 }
 

@@ -1,15 +1,21 @@
-/// The linear discriminant that makes descriptors of place features.
+/// The linear discriminants that make descriptors of place features.
 #pragma once
 
 #include <array>
+#include <complex>
 
 #include "phasescan/slam/place_descriptor.hpp"
 
 namespace phasescan {
 
+using PlaceMagnitudes = std::array<float, kPlaceFeatures>;
+PlaceMagnitudes magnitudes_of(const PlaceFeatures& features);
+
 struct PlaceProjection {
-  PlaceFeatures mean{};                                                      ///< taken off the features first
+  PlaceMagnitudes mean{};                                                    ///< taken off the magnitudes first
   std::array<std::array<float, kDescriptorSize>, kPlaceFeatures> weights{};  ///< of feature and descriptor number
+  /// Of harmonic and ring and turning number: taken by their complex conjugates, so that turns stay what they are.
+  std::array<std::array<std::array<std::complex<float>, kTurningNumbers>, kPlaceRings>, kTurningHarmonics> turning{};
 
   void apply(const PlaceFeatures& features, PlaceDescriptor& out) const;
 };

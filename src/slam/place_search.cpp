@@ -74,9 +74,10 @@ struct PlaceSearch::Impl {
     std::vector<PlaceMatch> found;
     if (limit == 0) return found;
     std::vector<int> visits;
-    for (const PlaceHit& hit : index.nearest(descriptor, kLooked, limit)) {
+    for (const PlaceHit& hit : index.most_alike(descriptor, kLooked, limit)) {
       const int other = nodes[hit.place];
-      if (hit.distance > kMostDistance || visits.size() >= static_cast<std::size_t>(options.place_candidates)) break;
+      if (visits.size() >= static_cast<std::size_t>(options.place_candidates)) break;
+      if (hit.distance > kMostDistance) continue;
       if (std::any_of(visits.begin(), visits.end(), [&](int v) { return std::abs(v - other) < kVisitViews; })) continue;
       visits.push_back(other);
       ++matched;

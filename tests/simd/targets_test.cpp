@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
+#include "phasescan/slam/place_index.hpp"
 #include "simd/answers.hpp"
 
 namespace phasescan {
@@ -34,6 +35,29 @@ TEST(Simd, ThereIsAPathWithoutSimdAndOneWith) {
 TEST(Simd, IntegerKernelsAgreeBitForBit) {
   const std::vector<std::uint32_t> expected = test::integer_answers();
   on_every_target([&](std::int64_t) { EXPECT_TRUE(test::integer_answers() == expected); });
+}
+
+TEST(Simd, PlacesAreFoundAgainBitForBit) {
+  Random random(7);
+  const auto draw = [&] {
+    PlaceDescriptor d;
+    for (auto& v : d.numbers) v = static_cast<std::int8_t>(static_cast<int>(random.below(256)) - 128);
+    for (auto& v : d.turning) v = static_cast<std::uint8_t>(random.below(256));
+    return d;
+  };
+  PlaceIndex index;
+  for (int k = 0; k < 700; ++k) index.add(draw());
+  const PlaceDescriptor query = draw();
+  const std::vector<PlaceHit> expected = index.most_alike(query, 100);
+  on_every_target([&](std::int64_t) {
+    const std::vector<PlaceHit> found = index.most_alike(query, 100);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      EXPECT_EQ(found[k].place, expected[k].place) << k;
+      EXPECT_EQ(found[k].distance, expected[k].distance) << k;
+      EXPECT_EQ(found[k].likeness, expected[k].likeness) << k;
+    }
+  });
 }
 
 TEST(Simd, PosesAgreeWithinAMillionth) {
