@@ -31,6 +31,9 @@ void LocalMap::reset(const Pose2& T_world_map, double half_width_m, double cell_
   extent_m_ = 0.0;
   surfels_.clear();
   lone_.clear();
+  small_.clear();
+  small_surface_.clear();
+  views_.clear();
   if (table_.empty()) table_.resize(4096);
   std::fill(table_.begin(), table_.end(), Slot{kEmpty, -1});
 }
@@ -42,12 +45,27 @@ void LocalMap::add(const MapPoints& points, const Pose2& T_world_base) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float px = c * points.x[i] - s * points.y[i] + tx, py = s * points.x[i] + c * points.y[i] + ty;
     if (!(std::fabs(px) < limit && std::fabs(py) < limit)) continue;
-    add_point(px, py, c * points.nx[i] - s * points.ny[i], s * points.nx[i] + c * points.ny[i], points.variance[i],
-              points.normal_variance[i]);
+    const float nx = c * points.nx[i] - s * points.ny[i], ny = s * points.nx[i] + c * points.ny[i];
+    if (points.small[i]) {
+      small_.push_back({px, py, points.x[i], points.y[i], static_cast<int>(views_.size())});
+      small_surface_.push_back({nx, ny, points.variance[i], points.normal_variance[i]});
+    } else {
+      add_point(px, py, nx, ny, points.variance[i], points.normal_variance[i], 0);
+    }
+  }
+  views_.push_back(T);
+}
+
+void LocalMap::add_small_things() {
+  staying_.find(small_, views_, stays_);
+  for (std::size_t i = 0; i < small_.size(); ++i) {
+    const SmallSurface& s = small_surface_[i];
+    if (stays_[i]) add_point(small_[i].x, small_[i].y, s.nx, s.ny, s.variance, s.normal_variance, 1);
   }
 }
 
-void LocalMap::add_point(float px, float py, float nx, float ny, float variance, float normal_variance) {
+void LocalMap::add_point(float px, float py, float nx, float ny, float variance, float normal_variance,
+                         std::uint8_t small) {
   const auto inverse = static_cast<float>(1.0 / cell_m_);
   const auto u = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(px * inverse)) + (1 << 20));
   const auto v = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(py * inverse)) + (1 << 20));
@@ -62,6 +80,7 @@ void LocalMap::add_point(float px, float py, float nx, float ny, float variance,
     }
     Surfel& s = lone_[static_cast<std::size_t>(alone)];
     s.x += weight * px, s.y += weight * py, s.variance += weight;
+    s.small |= small;
     if (4 * (surfels_.size() + lone_.size()) > table_.size()) grow_table();
     return;
   }
@@ -75,7 +94,7 @@ void LocalMap::add_point(float px, float py, float nx, float ny, float variance,
   const auto index = static_cast<std::int32_t>(surfels_.size());
   mine = index;
   surfels_.push_back(
-      {weight * px, weight * py, weight * nx, weight * ny, weight, weight * weight * normal_variance, index});
+      {weight * px, weight * py, weight * nx, weight * ny, weight, weight * weight * normal_variance, index, small});
   // Join the ring of the cell.
   std::int32_t& first = slot(cell);
   if (first < 0) {
@@ -105,6 +124,7 @@ void LocalMap::grow_table() {
 }
 
 void LocalMap::finish() {
+  add_small_things();
   normalise(surfels_, grid_);
   normalise(lone_, lone_grid_);
 }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "phasescan/odometry/small_things.hpp"
+
 namespace phasescan {
 namespace {
 
@@ -44,6 +46,14 @@ std::optional<GrazingLine> grazing_line(const SurfacePoints& surface, std::size_
   return best;
 }
 
+/// The last hit's beam stands next to the first one's.
+bool goes_round(const SurfacePoints& surface) {
+  const SurfacePoint &a = surface[0], &b = surface[surface.size() - 1];
+  const double angle = std::atan2(static_cast<double>(a.y), static_cast<double>(a.x)) -
+                       std::atan2(static_cast<double>(b.y), static_cast<double>(b.x));
+  return std::abs(wrap_angle(angle)) < 4.0 * surface.spacing;
+}
+
 }  // namespace
 
 Twist2 LaserMount::laser_twist(const Twist2& base) const {
@@ -55,7 +65,19 @@ Twist2 LaserMount::laser_twist(const Twist2& base) const {
 
 void MapPoints::clear() {
   for (auto* v : {&x, &y, &nx, &ny, &variance, &normal_variance}) v->clear();
+  small.clear();
   with_normal = 0;
+}
+
+void MapPoints::append(const MapPoints& other, std::size_t i) {
+  x.push_back(other.x[i]);
+  y.push_back(other.y[i]);
+  nx.push_back(other.nx[i]);
+  ny.push_back(other.ny[i]);
+  variance.push_back(other.variance[i]);
+  normal_variance.push_back(other.normal_variance[i]);
+  small.push_back(other.small[i]);
+  if (!other.lone(i)) ++with_normal;
 }
 
 void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double max_range_m, MapPoints& out) {
@@ -66,6 +88,8 @@ void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double
   const auto tx = static_cast<float>(mount.T_base_laser.x), ty = static_cast<float>(mount.T_base_laser.y);
   const float side = mount.flipped ? -1.0F : 1.0F;
   const auto limit = static_cast<float>(max_range_m), spacing = static_cast<float>(surface.spacing);
+  std::vector<std::uint8_t> small;
+  mark_small_things(surface, surface.size() > 1 && goes_round(surface), small);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     SurfacePoint p = surface[i];
     if (surface.range[i] > limit) continue;
@@ -77,6 +101,7 @@ void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double
       }
     }
     out.normal_variance.push_back(normal_variance);
+    out.small.push_back(small[i]);
     const float py = side * p.y, ny = side * p.ny;
     out.x.push_back(c * p.x - s * py + tx);
     out.y.push_back(s * p.x + c * py + ty);

@@ -36,8 +36,11 @@ void Odometry::extract(const Scan& scan, const LaserMount& mount, const Twist2& 
   // The points are expressed at the stamp; the middle of the turn is where the twist's error matters least.
   LaserMount at_mid = mount;
   at_mid.T_base_laser = exp_twist(used, middle_s(scan, duration_s)).inverse() * mount.T_base_laser;
-  points_ = std::make_shared<MapPoints>();
-  to_map_points(surface_, at_mid, options_.map_range_m, *points_);
+  all_points_ = std::make_shared<MapPoints>();
+  to_map_points(surface_, at_mid, options_.map_range_m, *all_points_);
+  // Where scans stand far apart nothing is seen often enough to show that it stays.
+  if (steadiness_.jumps()) std::fill(all_points_->small.begin(), all_points_->small.end(), std::uint8_t{0});
+  choose_points();
 }
 
 OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& wheel) {
@@ -57,7 +60,8 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
       step.overlap = 1.0;
       insert_keyframe(step);
       net_.remember(scan, mount, T_odom_mid_, {});
-      if (options_.deskew && timing.duration_s > 0.0) first_ = First{scan, mount, timing.duration_s, points_};
+      if (options_.deskew && timing.duration_s > 0.0)
+        first_ = First{scan, mount, timing.duration_s, all_points_, points_};
     }
     return step;
   }
@@ -201,17 +205,19 @@ void Odometry::hold_still(OdometryStep& step) {
 void Odometry::insert_keyframe(OdometryStep& step) {
   step.is_keyframe = true;
   since_keyframe_.setZero();
-  window_.push_back({points_, T_odom_mid_});
+  window_.push_back({all_points_, T_odom_mid_});
   while (window_.size() > static_cast<std::size_t>(options_.window_keyframes)) window_.pop_front();
   rebuild_map();
 }
 
 void Odometry::unbend_first(const Twist2& twist, OdometryStep& step) {
   // The first scan stands with its stamp at the origin, as all others stand with theirs.
-  const std::shared_ptr<MapPoints> last = points_;
+  const std::shared_ptr<MapPoints> last = all_points_, last_chosen = points_;
   extract(first_->scan, first_->mount, twist, first_->duration_s);
+  *first_->all_points = *all_points_;
   *first_->points = *points_;
-  points_ = last;
+  all_points_ = last;
+  points_ = last_chosen;
   T_odom_mid_ = exp_twist(twist, middle_s(first_->scan, first_->duration_s));
   window_.front().T_odom_base = T_odom_mid_;
   step.T_odom_first = T_odom_mid_;

@@ -16,12 +16,33 @@ constexpr double kDoubtfulOverlap = 0.6;   // what a search in doubt must explai
 constexpr double kMostDoubtfulTurn = 1.2;  // [rad] that a search in doubt may be off the motion before
 constexpr double kHardlyWorse = 0.05;    // where scans jump, the full search is believed if it explains so little less
 constexpr double kClearlyBetter = 0.04;  // by so much of its score another pose must be better to be taken instead
+// A small thing this near to a wall that faces as it does is a piece of it, seen through a door.
+constexpr float kPartOfWallM = 0.06F, kSameWay = 0.75F;
 
 std::size_t judging_stride(const MapPoints& points) {
   return std::max<std::size_t>(1, points.size() / kFinalPoints);
 }
 
 }  // namespace
+
+void Odometry::choose_points() {
+  points_ = std::make_shared<MapPoints>();
+  const MapPoints& all = *all_points_;
+  const Pose2 T = map_.T_world_map().inverse() * T_odom_mid_ * step_;
+  const auto c = static_cast<float>(std::cos(T.theta)), s = static_cast<float>(std::sin(T.theta));
+  const auto tx = static_cast<float>(T.x), ty = static_cast<float>(T.y);
+  const auto met = [&](std::size_t i) {
+    if (map_.empty()) return false;
+    const float px = c * all.x[i] - s * all.y[i] + tx, py = s * all.x[i] + c * all.y[i] + ty;
+    if (map_.small_thing_at(px, py)) return true;
+    const float nx = c * all.nx[i] - s * all.ny[i], ny = s * all.nx[i] + c * all.ny[i];
+    const Surfel* wall = all.lone(i) ? map_.find_lone(px, py) : map_.find(px, py, nx, ny, kSameWay);
+    return wall && std::hypot(px - wall->x, py - wall->y) < kPartOfWallM;
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!all.small[i] || met(i)) points_->append(all, i);
+  }
+}
 
 Registration Odometry::match(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, const Pose2& guess,
                              double periods, PosePrior& prior, OdometryStep& step) {

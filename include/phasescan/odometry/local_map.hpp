@@ -6,6 +6,7 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/odometry/map_points.hpp"
+#include "phasescan/odometry/small_things.hpp"
 #include "phasescan/refine/nearest_grid.hpp"
 
 namespace phasescan {
@@ -17,6 +18,7 @@ struct Surfel {
   float variance = 0.0F;         ///< across the surface [m^2]
   float normal_variance = 0.0F;  ///< of the normal's direction [rad^2]
   std::int32_t next = -1;        ///< next surfel of the same cell, in a ring
+  std::uint8_t small = 0;        ///< 1: of a small thing that stays
 };
 
 /// Surfels and the grid that finds them. Build: reset, add scans, finish. Bounded by its window, whatever is added.
@@ -26,6 +28,7 @@ class LocalMap {
   /// @param half_width_m  of the window; points outside are left out
   /// @param cell_m        size of a cell; partners are found up to 3 cells away
   void reset(const Pose2& T_world_map, double half_width_m, double cell_m);
+  /// Small things become part of the map once two of its scans show that they stay.
   void add(const MapPoints& points, const Pose2& T_world_base);
   /// Merges the points into surfels and builds the grid. @cost O(points + window / 16)
   void finish();
@@ -52,6 +55,13 @@ class LocalMap {
     return best;
   }
 
+  /// Whether what is nearest to a point is a small thing that stays.
+  bool small_thing_at(float px, float py) const {
+    const int any = grid_.nearest(px, py), alone = lone_grid_.nearest(px, py);
+    return (any >= 0 && surfels_[static_cast<std::size_t>(any)].small) ||
+           (alone >= 0 && lone_[static_cast<std::size_t>(alone)].small);
+  }
+
   /// The lone hits' surfel nearest to a point, or null.
   const Surfel* find_lone(float px, float py) const {
     const int at = lone_grid_.nearest(px, py);
@@ -65,14 +75,23 @@ class LocalMap {
   };
   void normalise(std::vector<Surfel>& surfels, NearestGrid& grid);
   std::int32_t& slot(std::uint64_t key);
-  void add_point(float px, float py, float nx, float ny, float variance, float normal_variance);
+  void add_point(float px, float py, float nx, float ny, float variance, float normal_variance, std::uint8_t small);
   void grow_table();
+  void add_small_things();
 
   Pose2 T_world_map_;
   double cell_m_ = 0.1, half_width_m_ = 20.0, extent_m_ = 0.0;
   std::vector<Surfel> surfels_;  // x, y, nx, ny hold weighted sums until finish(), variance the sum of weights
   std::vector<Surfel> lone_;
   std::vector<Slot> table_;
+  struct SmallSurface {
+    float nx, ny, variance, normal_variance;
+  };
+  std::vector<SmallHit> small_;  // wait for finish(), which knows what stays
+  std::vector<SmallSurface> small_surface_;
+  std::vector<Pose2> views_;
+  StayingThings staying_;
+  std::vector<std::uint8_t> stays_;
   std::vector<SurfacePoint> grid_points_;  // where the surfels are, as the grid wants it
   NearestGrid grid_, lone_grid_;
 };

@@ -1,6 +1,7 @@
 /// The surface of one scan as points with normals in the frame of the robot's base: what maps are made of.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "phasescan/core/pose2.hpp"
@@ -28,11 +29,14 @@ struct MapPoints {
   std::vector<float> nx, ny;           ///< unit normal towards the sensor, (0, 0) for a lone hit
   std::vector<float> variance;         ///< of the hit across the surface, or in each direction [m^2]
   std::vector<float> normal_variance;  ///< of the normal's direction [rad^2]
+  std::vector<std::uint8_t> small;     ///< 1: on a small thing that stands free (see small_things.hpp)
   std::size_t with_normal = 0;
 
   std::size_t size() const { return x.size(); }
   bool lone(std::size_t i) const { return nx[i] == 0.0F && ny[i] == 0.0F; }
   void clear();
+  /// Appends hit `i` of `other`.
+  void append(const MapPoints& other, std::size_t i);
 };
 
 /// Walls as `find_surface` shall follow them where a map of them is tracked.

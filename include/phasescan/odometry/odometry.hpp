@@ -50,7 +50,8 @@ class Odometry {
   /// The next scan, of any laser of the robot. @param wheel  T_odom_base of the wheels at the scan's stamp
   OdometryStep add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& wheel);
 
-  /// The last scan's surface in the frame of the base at mid-scan; shared, so that keyframes cost no copy.
+  /// The last scan's surface in the frame of the base at mid-scan, without small things of which it is not known that
+  /// they stay; shared, so that keyframes cost no copy.
   std::shared_ptr<const MapPoints> last_points() const { return points_; }
   const WheelWitness& wheels() const { return wheels_; }
   const ScanClock& clock() const { return clock_; }
@@ -74,6 +75,8 @@ class Odometry {
   void look_around(const PosePrior& prior, Registration& found, double& score) const;
   void catch_fall(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, PosePrior& prior,
                   Registration& found, double& score, OdometryStep& step);
+  /// Leaves out the small things that may be people: those that the map does not hold where they are expected.
+  void choose_points();
   void insert_keyframe(OdometryStep& step);
   void rebuild_map();
   void unbend_first(const Twist2& twist, OdometryStep& step);
@@ -87,7 +90,8 @@ class Odometry {
   SafetyNet net_;
   SurfaceWorkspace surface_work_;
   SurfacePoints surface_;
-  std::shared_ptr<MapPoints> points_;
+  std::shared_ptr<MapPoints> all_points_;
+  std::shared_ptr<MapPoints> points_;  // those that the pose is found by
   LocalMap map_;
   std::deque<WindowFrame> window_;
   bool started_ = false;
@@ -95,7 +99,7 @@ class Odometry {
     Scan scan;
     LaserMount mount;
     double duration_s = 0.0;
-    std::shared_ptr<MapPoints> points;
+    std::shared_ptr<MapPoints> all_points, points;
   };
   std::optional<First> first_;  // until the second scan has come
   Pose2 T_odom_mid_;            // of the last scan

@@ -1,0 +1,102 @@
+#include "phasescan/odometry/small_things.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace phasescan {
+namespace {
+
+constexpr float kJumpM = 0.3F;          // between a thing and what is behind it
+constexpr float kWideM = 0.8F;          // more is a wall or a cupboard
+constexpr float kFarM = 4.0F;           // beyond, neighbouring hits of one wall may lie this far apart
+constexpr float kMostShare = 0.8F;      // of the hits: where there is little else, small things are what there is
+constexpr std::size_t kLeastLeft = 24;  // hits on other things
+constexpr float kSameM = 0.1F;          // hits on one thing lie so near to each other
+constexpr float kApartM = 0.8F;         // what moves with the robot has moved clear of where it stood
+constexpr int kMissingBeams = 3;        // a gap of more is a gap between things
+
+enum class Border { kNone, kFarther, kNearer, kGap };
+
+std::uint32_t cell_of(float x, float y) {
+  const auto u = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(x / kSameM)));
+  const auto v = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(y / kSameM)));
+  std::uint32_t h = u * 0x9E3779B1U ^ v * 0x85EBCA77U;
+  h ^= h >> 15;
+  return h;
+}
+
+}  // namespace
+
+void mark_small_things(const SurfacePoints& surface, bool full_circle, std::vector<std::uint8_t>& out) {
+  const std::size_t n = surface.size();
+  out.assign(n, 0);
+  if (n < 2) return;
+  const auto at = [n](std::size_t i) { return i % n; };
+  // What lies between hit i and the one after it.
+  const auto border = [&](std::size_t i) {
+    const std::size_t a = at(i), b = at(i + 1);
+    if (b == 0 && !full_circle) return Border::kGap;
+    if (b != 0 && std::abs(surface.beam[b] - surface.beam[a]) > kMissingBeams) return Border::kGap;
+    const float off = surface.range[b] - surface.range[a];
+    return off > kJumpM ? Border::kFarther : off < -kJumpM ? Border::kNearer : Border::kNone;
+  };
+  std::size_t start = 0;
+  while (start < n && border(start) == Border::kNone) ++start;
+  if (start == n) return;  // one closed wall
+  ++start;
+  Border before = border(start - 1);
+  std::size_t marked = 0;
+  for (std::size_t first = start; first < start + n;) {
+    std::size_t last = first;
+    float wide = 0.0F;
+    const SurfacePoint& p = surface[at(first)];
+    Border after = border(last);
+    while (after == Border::kNone) {
+      ++last;
+      const SurfacePoint& q = surface[at(last)];
+      wide = std::max(wide, std::hypot(q.x - p.x, q.y - p.y));
+      after = border(last);
+    }
+    const bool free =
+        (before == Border::kNearer || before == Border::kGap) && (after == Border::kFarther || after == Border::kGap);
+    if (free && wide < kWideM && surface.range[at(first)] < kFarM) {
+      for (std::size_t i = first; i <= last; ++i) out[at(i)] = 1;
+      marked += last + 1 - first;
+    }
+    before = after;
+    first = last + 1;
+  }
+  if (static_cast<float>(marked) > kMostShare * static_cast<float>(n) || n - marked < kLeastLeft) out.assign(n, 0);
+}
+
+void StayingThings::find(const std::vector<SmallHit>& hits, const std::vector<Pose2>& poses,
+                         std::vector<std::uint8_t>& out) {
+  out.assign(hits.size(), 0);
+  std::size_t size = 64;
+  while (size < 2 * hits.size()) size *= 2;
+  heads_.assign(size, -1);
+  next_.resize(hits.size());
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    std::int32_t& head = heads_[cell_of(hits[i].x, hits[i].y) & (size - 1)];
+    next_[i] = head;
+    head = static_cast<std::int32_t>(i);
+  }
+  const auto meets = [&](const SmallHit& a, const SmallHit& b) {
+    if (a.view == b.view || std::hypot(a.x - b.x, a.y - b.y) > kSameM) return false;
+    const Eigen::Vector2d moved = poses[static_cast<std::size_t>(b.view)] * Eigen::Vector2d(a.base_x, a.base_y);
+    return std::hypot(static_cast<float>(moved.x()) - a.x, static_cast<float>(moved.y()) - a.y) > kApartM;
+  };
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    for (int k = 0; k < 9 && !out[i]; ++k) {
+      const float x = hits[i].x + static_cast<float>(k % 3 - 1) * kSameM,
+                  y = hits[i].y + static_cast<float>(k / 3 - 1) * kSameM;
+      for (std::int32_t j = heads_[cell_of(x, y) & (size - 1)]; j >= 0; j = next_[static_cast<std::size_t>(j)]) {
+        if (!meets(hits[i], hits[static_cast<std::size_t>(j)])) continue;
+        out[i] = 1;
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace phasescan
