@@ -69,6 +69,11 @@ void MapPoints::clear() {
   with_normal = 0;
 }
 
+void MapPoints::reserve(std::size_t hits) {
+  for (auto* v : {&x, &y, &nx, &ny, &variance, &normal_variance}) v->reserve(hits);
+  small.reserve(hits);
+}
+
 void MapPoints::append(const MapPoints& other, std::size_t i) {
   x.push_back(other.x[i]);
   y.push_back(other.y[i]);
@@ -82,7 +87,7 @@ void MapPoints::append(const MapPoints& other, std::size_t i) {
 
 void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double max_range_m, MapPoints& out) {
   out.clear();
-  for (auto* v : {&out.x, &out.y, &out.nx, &out.ny, &out.variance, &out.normal_variance}) v->reserve(surface.size());
+  out.reserve(surface.size());
   const auto c = static_cast<float>(std::cos(mount.T_base_laser.theta)),
              s = static_cast<float>(std::sin(mount.T_base_laser.theta));
   const auto tx = static_cast<float>(mount.T_base_laser.x), ty = static_cast<float>(mount.T_base_laser.y);

@@ -39,9 +39,12 @@ void Odometry::choose_points() {
     const Surfel* wall = all.lone(i) ? map_.find_lone(px, py) : map_.find(px, py, nx, ny, kSameWay);
     return wall && std::hypot(px - wall->x, py - wall->y) < kPartOfWallM;
   };
+  chosen_.clear();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!all.small[i] || met(i)) points_->append(all, i);
+    if (!all.small[i] || met(i)) chosen_.push_back(i);
   }
+  points_->reserve(chosen_.size());
+  for (const std::size_t i : chosen_) points_->append(all, i);
 }
 
 Registration Odometry::match(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, const Pose2& guess,

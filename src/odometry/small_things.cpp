@@ -6,23 +6,28 @@
 namespace phasescan {
 namespace {
 
-constexpr float kJumpM = 0.3F;          // between a thing and what is behind it
+constexpr float kBehindM = 0.3F;        // between a thing and what is behind it
 constexpr float kWideM = 0.8F;          // more is a wall or a cupboard
 constexpr float kFarM = 4.0F;           // beyond, neighbouring hits of one wall may lie this far apart
 constexpr float kMostShare = 0.8F;      // of the hits: where there is little else, small things are what there is
 constexpr std::size_t kLeastLeft = 24;  // hits on other things
-constexpr float kSameM = 0.1F;          // hits on one thing lie so near to each other
+constexpr float kOnOneThingM = 0.1F;    // hits on one thing lie so near to each other
 constexpr float kApartM = 0.8F;         // what moves with the robot has moved clear of where it stood
 constexpr int kMissingBeams = 3;        // a gap of more is a gap between things
 
 enum class Border { kNone, kFarther, kNearer, kGap };
 
-std::uint32_t cell_of(float x, float y) {
-  const auto u = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(x / kSameM)));
-  const auto v = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(y / kSameM)));
+std::uint32_t bucket_of(float x, float y) {
+  const auto u = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(x / kOnOneThingM)));
+  const auto v = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(y / kOnOneThingM)));
   std::uint32_t h = u * 0x9E3779B1U ^ v * 0x85EBCA77U;
   h ^= h >> 15;
   return h;
+}
+
+bool share_cell(const SmallHit& a, const SmallHit& b) {
+  return std::floor(a.x / kOnOneThingM) == std::floor(b.x / kOnOneThingM) &&
+         std::floor(a.y / kOnOneThingM) == std::floor(b.y / kOnOneThingM);
 }
 
 }  // namespace
@@ -38,7 +43,7 @@ void mark_small_things(const SurfacePoints& surface, bool full_circle, std::vect
     if (b == 0 && !full_circle) return Border::kGap;
     if (b != 0 && std::abs(surface.beam[b] - surface.beam[a]) > kMissingBeams) return Border::kGap;
     const float off = surface.range[b] - surface.range[a];
-    return off > kJumpM ? Border::kFarther : off < -kJumpM ? Border::kNearer : Border::kNone;
+    return off > kBehindM ? Border::kFarther : off < -kBehindM ? Border::kNearer : Border::kNone;
   };
   std::size_t start = 0;
   while (start < n && border(start) == Border::kNone) ++start;
@@ -76,21 +81,42 @@ void StayingThings::find(const std::vector<SmallHit>& hits, const std::vector<Po
   while (size < 2 * hits.size()) size *= 2;
   heads_.assign(size, -1);
   next_.resize(hits.size());
+  // Hits of one view in one cell stand for each other.
+  first_.resize(hits.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    std::int32_t& head = heads_[cell_of(hits[i].x, hits[i].y) & (size - 1)];
+    std::int32_t& head = heads_[bucket_of(hits[i].x, hits[i].y) & (size - 1)];
+    first_[i] = static_cast<std::int32_t>(i);
+    for (std::int32_t j = head; j >= 0 && hits[static_cast<std::size_t>(j)].view == hits[i].view;
+         j = next_[static_cast<std::size_t>(j)]) {
+      if (!share_cell(hits[i], hits[static_cast<std::size_t>(j)])) continue;
+      first_[i] = j;
+      break;
+    }
+    if (first_[i] != static_cast<std::int32_t>(i)) continue;
     next_[i] = head;
     head = static_cast<std::int32_t>(i);
   }
+  views_.clear();
+  for (const Pose2& T : poses)
+    views_.push_back({static_cast<float>(std::cos(T.theta)), static_cast<float>(std::sin(T.theta)),
+                      static_cast<float>(T.x), static_cast<float>(T.y)});
+  const auto squared = [](float x, float y) { return x * x + y * y; };
   const auto meets = [&](const SmallHit& a, const SmallHit& b) {
-    if (a.view == b.view || std::hypot(a.x - b.x, a.y - b.y) > kSameM) return false;
-    const Eigen::Vector2d moved = poses[static_cast<std::size_t>(b.view)] * Eigen::Vector2d(a.base_x, a.base_y);
-    return std::hypot(static_cast<float>(moved.x()) - a.x, static_cast<float>(moved.y()) - a.y) > kApartM;
+    if (a.view == b.view || squared(a.x - b.x, a.y - b.y) > kOnOneThingM * kOnOneThingM) return false;
+    const View& v = views_[static_cast<std::size_t>(b.view)];
+    return squared(v.cos * a.base_x - v.sin * a.base_y + v.x - a.x, v.sin * a.base_x + v.cos * a.base_y + v.y - a.y) >
+           kApartM * kApartM;
   };
   for (std::size_t i = 0; i < hits.size(); ++i) {
+    const auto first = static_cast<std::size_t>(first_[i]);
+    if (first != i) {
+      out[i] = out[first];  // final: its turn was before
+      continue;
+    }
     for (int k = 0; k < 9 && !out[i]; ++k) {
-      const float x = hits[i].x + static_cast<float>(k % 3 - 1) * kSameM,
-                  y = hits[i].y + static_cast<float>(k / 3 - 1) * kSameM;
-      for (std::int32_t j = heads_[cell_of(x, y) & (size - 1)]; j >= 0; j = next_[static_cast<std::size_t>(j)]) {
+      const float x = hits[i].x + static_cast<float>(k % 3 - 1) * kOnOneThingM,
+                  y = hits[i].y + static_cast<float>(k / 3 - 1) * kOnOneThingM;
+      for (std::int32_t j = heads_[bucket_of(x, y) & (size - 1)]; j >= 0; j = next_[static_cast<std::size_t>(j)]) {
         if (!meets(hits[i], hits[static_cast<std::size_t>(j)])) continue;
         out[i] = 1;
         break;

@@ -88,8 +88,8 @@ namespace {
 constexpr std::size_t kBlock = 512;  // distances worked out before they are looked at
 constexpr std::size_t kTurns = 64;   // of half a turn; 32 cost 0.2 points of recall
 constexpr std::size_t kSums = 2 * kTurningHarmonics;
-// Of n places sqrt(10 n) are compared over all turns: 100 of a thousand, 1000 of a hundred thousand.
-constexpr double kShortlist = 10.0;
+// Of n places sqrt(n) are compared over all turns: 100 of ten thousand. More find a few more and take longer.
+constexpr std::size_t kLeastCompared = 32;
 // What an inner product of numbers that do not turn counts for. That of a place with itself is 40,000, its turned
 // likeness about 500,000; half or twice as much costs 0.2 points of recall at most.
 constexpr std::int32_t kNumbersCount = 3;
@@ -196,7 +196,8 @@ std::vector<PlaceHit> PlaceIndex::nearest(const PlaceDescriptor& query, std::siz
 
 std::vector<PlaceHit> PlaceIndex::most_alike(const PlaceDescriptor& query, std::size_t count, std::size_t limit) const {
   const std::size_t n = limit == 0 ? size() : std::min(limit, size());
-  const auto compared = static_cast<std::size_t>(std::ceil(std::sqrt(kShortlist * static_cast<double>(n))));
+  const auto compared =
+      std::max(kLeastCompared, static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(n)))));
   std::vector<PlaceHit> hits = shortlist(query, count == 0 ? 0 : std::max(count, compared), n);
   const std::int32_t query_squares = squares(query);
   const TurningQuery turning(query);

@@ -35,6 +35,7 @@ struct MapPoints {
   std::size_t size() const { return x.size(); }
   bool lone(std::size_t i) const { return nx[i] == 0.0F && ny[i] == 0.0F; }
   void clear();
+  void reserve(std::size_t hits);
   /// Appends hit `i` of `other`.
   void append(const MapPoints& other, std::size_t i);
 };

@@ -92,6 +92,7 @@ class Odometry {
   SurfacePoints surface_;
   std::shared_ptr<MapPoints> all_points_;
   std::shared_ptr<MapPoints> points_;  // those that the pose is found by
+  std::vector<std::size_t> chosen_;    // which these are
   LocalMap map_;
   std::deque<WindowFrame> window_;
   bool started_ = false;

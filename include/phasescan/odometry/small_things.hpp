@@ -35,7 +35,12 @@ class StayingThings {
   void find(const std::vector<SmallHit>& hits, const std::vector<Pose2>& poses, std::vector<std::uint8_t>& out);
 
  private:
-  std::vector<std::int32_t> heads_, next_;
+  struct View {
+    float cos, sin, x, y;
+  };
+  std::vector<View> views_;
+  std::vector<std::int32_t> heads_, next_;  // hits by cell, as chains
+  std::vector<std::int32_t> first_;         // the hit that stands for this one
 };
 
 }  // namespace phasescan
