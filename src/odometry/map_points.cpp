@@ -46,14 +46,6 @@ std::optional<GrazingLine> grazing_line(const SurfacePoints& surface, std::size_
   return best;
 }
 
-/// The last hit's beam stands next to the first one's.
-bool goes_round(const SurfacePoints& surface) {
-  const SurfacePoint &a = surface[0], &b = surface[surface.size() - 1];
-  const double angle = std::atan2(static_cast<double>(a.y), static_cast<double>(a.x)) -
-                       std::atan2(static_cast<double>(b.y), static_cast<double>(b.x));
-  return std::abs(wrap_angle(angle)) < 4.0 * surface.spacing;
-}
-
 }  // namespace
 
 Twist2 LaserMount::laser_twist(const Twist2& base) const {
@@ -94,7 +86,7 @@ void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double
   const float side = mount.flipped ? -1.0F : 1.0F;
   const auto limit = static_cast<float>(max_range_m), spacing = static_cast<float>(surface.spacing);
   std::vector<std::uint8_t> small;
-  mark_small_things(surface, surface.size() > 1 && goes_round(surface), small);
+  mark_small_things(surface, small);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     SurfacePoint p = surface[i];
     if (surface.range[i] > limit) continue;

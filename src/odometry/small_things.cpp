@@ -30,12 +30,21 @@ bool share_cell(const SmallHit& a, const SmallHit& b) {
          std::floor(a.y / kOnOneThingM) == std::floor(b.y / kOnOneThingM);
 }
 
+/// The last hit's beam stands next to the first one's.
+bool goes_round(const SurfacePoints& surface) {
+  const SurfacePoint &a = surface[0], &b = surface[surface.size() - 1];
+  const double angle = std::atan2(static_cast<double>(a.y), static_cast<double>(a.x)) -
+                       std::atan2(static_cast<double>(b.y), static_cast<double>(b.x));
+  return std::abs(wrap_angle(angle)) < 4.0 * surface.spacing;
+}
+
 }  // namespace
 
-void mark_small_things(const SurfacePoints& surface, bool full_circle, std::vector<std::uint8_t>& out) {
+void mark_small_things(const SurfacePoints& surface, std::vector<std::uint8_t>& out) {
   const std::size_t n = surface.size();
   out.assign(n, 0);
   if (n < 2) return;
+  const bool full_circle = goes_round(surface);
   const auto at = [n](std::size_t i) { return i % n; };
   // What lies between hit i and the one after it.
   const auto border = [&](std::size_t i) {

@@ -63,10 +63,7 @@ struct Unseen {
 
 Unseen drive_unseen(std::uint64_t seed) {
   const auto walls = corridor();
-  ToyLidar lidar;
-  lidar.range_max = 6.0;
-  lidar.beams = 180;
-  lidar.field = kPi;
+  const ToyLidar lidar{.beams = 180, .range_max = 6.0, .field = kPi};
   Random random(seed);
   Odometry odometry;
   Unseen out;

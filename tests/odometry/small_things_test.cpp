@@ -15,18 +15,13 @@ using testing::toy_scan;
 using testing::ToyLidar;
 using testing::Wall;
 
-/// The four sides of a thing.
-void add_box(std::vector<Wall>& walls, double x, double y, double half) {
-  const double l = x - half, r = x + half, b = y - half, t = y + half;
-  walls.push_back({{l, b}, {r, b}});
-  walls.push_back({{r, b}, {r, t}});
-  walls.push_back({{r, t}, {l, t}});
-  walls.push_back({{l, t}, {l, b}});
+void add_square(std::vector<Wall>& walls, double x, double y, double half) {
+  testing::add_box(walls, x - half, y - half, x + half, y + half);
 }
 
 std::vector<Wall> room() {
   std::vector<Wall> walls;
-  add_box(walls, 0.0, 0.0, 3.0);
+  add_square(walls, 0.0, 0.0, 3.0);
   return walls;
 }
 
@@ -43,7 +38,7 @@ Marked mark(const std::vector<Wall>& walls, double x, double y, double field = k
   SurfacePoints surface;
   find_surface(toy_scan(walls, {}, lidar, random, 0), {}, work, surface);
   std::vector<std::uint8_t> small;
-  mark_small_things(surface, field > 6.0, small);
+  mark_small_things(surface, small);
   Marked out;
   for (std::size_t i = 0; i < small.size(); ++i) {
     const bool near = std::hypot(static_cast<double>(surface[i].x) - x, static_cast<double>(surface[i].y) - y) < 0.3;
@@ -57,7 +52,7 @@ TEST(SmallThings, WhatStandsFreeIsMarkedInEveryDirectionAndNothingElse) {
   for (double angle = 0.0; angle < 6.2; angle += 0.1) {
     const double x = 1.5 * std::cos(angle), y = 1.5 * std::sin(angle);
     std::vector<Wall> walls = room();
-    add_box(walls, x, y, 0.15);
+    add_square(walls, x, y, 0.15);
     const Marked m = mark(walls, x, y);
     EXPECT_GT(m.thing, 4U) << angle;
     EXPECT_EQ(m.on_thing, m.thing) << angle;
@@ -68,14 +63,14 @@ TEST(SmallThings, WhatStandsFreeIsMarkedInEveryDirectionAndNothingElse) {
 TEST(SmallThings, WallsAndWideThingsAreNotMarked) {
   EXPECT_EQ(mark(room(), 9.0, 9.0).elsewhere, 0U);
   std::vector<Wall> cupboard = room();
-  add_box(cupboard, 1.8, 0.0, 0.5);
+  add_square(cupboard, 1.8, 0.0, 0.5);
   EXPECT_EQ(mark(cupboard, 9.0, 9.0).elsewhere, 0U);
 }
 
 TEST(SmallThings, AtTheEndOfTheViewToo) {
   // Half of it is beyond the last beam.
   std::vector<Wall> walls = room();
-  add_box(walls, 0.0, 1.5, 0.15);
+  add_square(walls, 0.0, 1.5, 0.15);
   const Marked m = mark(walls, 0.0, 1.5, kPi);
   EXPECT_GT(m.thing, 2U);
   EXPECT_EQ(m.on_thing, m.thing);
@@ -84,7 +79,7 @@ TEST(SmallThings, AtTheEndOfTheViewToo) {
 TEST(SmallThings, WhereThereIsLittleElseNoneIsMarked) {
   // Trunks of trees, with nothing behind.
   std::vector<Wall> trunks;
-  for (int k = 0; k < 12; ++k) add_box(trunks, 2.0 * std::cos(0.52 * k), 2.0 * std::sin(0.52 * k), 0.15);
+  for (int k = 0; k < 12; ++k) add_square(trunks, 2.0 * std::cos(0.52 * k), 2.0 * std::sin(0.52 * k), 0.15);
   const Marked m = mark(trunks, 9.0, 9.0);
   EXPECT_EQ(m.elsewhere, 0U);
 }
@@ -124,10 +119,7 @@ double led_by_somebody(std::uint64_t seed, bool wheels) {
       corridor.push_back({{x + 3.0, 1.3 * side}, {x + 3.0, 0.9 * side}});
     }
   }
-  ToyLidar lidar;
-  lidar.range_max = 6.0;
-  lidar.beams = 180;
-  lidar.field = kPi;
+  const ToyLidar lidar{.beams = 180, .range_max = 6.0, .field = kPi};
   Random random(seed);
   Odometry odometry;
   OdometryStep step;
@@ -136,7 +128,7 @@ double led_by_somebody(std::uint64_t seed, bool wheels) {
   for (int i = 0; i < scans; ++i) {
     std::vector<Wall> now = corridor;
     const double sway = 0.15 * std::sin(0.05 * i);
-    add_box(now, x + 1.1 + sway, 0.3 * std::sin(0.03 * i), 0.2);
+    add_square(now, x + 1.1 + sway, 0.3 * std::sin(0.03 * i), 0.2);
     const std::optional<Pose2> wheel = wheels ? std::optional<Pose2>({1.02 * (x - 1.5), 0, 0}) : std::nullopt;
     step = odometry.add(toy_scan(now, {x, 0, 0}, lidar, random, stamp_from_seconds(0.1 * i)), {}, wheel);
     if (i + 1 < scans) x += std::min(0.05, 0.005 * i);

@@ -10,16 +10,10 @@
 namespace phasescan {
 namespace {
 
+using testing::add_box;
 using testing::toy_scan;
 using testing::ToyLidar;
 using testing::Wall;
-
-void add_box(std::vector<Wall>& walls, double x1, double y1, double x2, double y2) {
-  walls.push_back({{x1, y1}, {x2, y1}});
-  walls.push_back({{x2, y1}, {x2, y2}});
-  walls.push_back({{x2, y2}, {x1, y2}});
-  walls.push_back({{x1, y2}, {x1, y1}});
-}
 
 /// A way round a block of 20 x 14 m, with things along its walls.
 std::vector<Wall> ring_world() {

@@ -26,6 +26,14 @@ inline std::vector<Wall> two_rooms() {
   return walls;
 }
 
+/// The four sides of a thing.
+inline void add_box(std::vector<Wall>& walls, double x1, double y1, double x2, double y2) {
+  walls.push_back({{x1, y1}, {x2, y1}});
+  walls.push_back({{x2, y1}, {x2, y2}});
+  walls.push_back({{x2, y2}, {x1, y2}});
+  walls.push_back({{x1, y2}, {x1, y1}});
+}
+
 inline double toy_range(const std::vector<Wall>& walls, const Eigen::Vector2d& from, double angle) {
   const Eigen::Vector2d d(std::cos(angle), std::sin(angle));
   double best = std::numeric_limits<double>::infinity();

@@ -15,9 +15,8 @@ namespace phasescan {
 
 /// Marks the hits on something narrow with farther things, or nothing, to both sides of it: out[i] = 1 for hit i.
 /// The ends of a view of less than the full circle are open. None is marked where most of the hits would be.
-/// @param full_circle  the last hits stand next to the first ones
 /// @cost O(hits)
-void mark_small_things(const SurfacePoints& surface, bool full_circle, std::vector<std::uint8_t>& out);
+void mark_small_things(const SurfacePoints& surface, std::vector<std::uint8_t>& out);
 
 /// A hit on a small thing, seen from one of several poses.
 struct SmallHit {
