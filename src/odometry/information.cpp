@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace phasescan {
@@ -21,6 +22,18 @@ double largest_deviation(const Eigen::Matrix3d& information) {
   const Eigen::Matrix2d covariance = information.inverse().topLeftCorner<2, 2>();
   const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
   return std::sqrt(0.5 * covariance.trace() + std::hypot(half, covariance(0, 1)));
+}
+
+void bound_translation(Eigen::Matrix3d& covariance, double most_m) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
+  for (int k = 0; k < 2; ++k) {
+    const double sigma = std::sqrt(std::max(0.0, eigen.eigenvalues()(k)));
+    if (sigma <= most_m) continue;
+    const Eigen::Vector2d u = eigen.eigenvectors().col(k);
+    Eigen::Matrix3d shrink = Eigen::Matrix3d::Identity();
+    shrink.topLeftCorner<2, 2>() -= (1.0 - most_m / sigma) * u * u.transpose();
+    covariance = shrink * covariance * shrink;
+  }
 }
 
 Eigen::Matrix2d doubt_of(const Eigen::Matrix3d& seen, double turn) {

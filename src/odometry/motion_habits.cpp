@@ -16,6 +16,7 @@ constexpr double kRestM = 0.006, kRestRad = 0.003, kMovingM = 0.03, kTurningRad 
 // Rest is told from motion where the two have been this far apart, and a scan within this share of that of rest.
 constexpr double kLeastContrast = 0.4, kNearStill = 0.35;
 constexpr int kInARow = 2;          // one scan may be like the last by chance
+constexpr double kBack = 0.02;      // share of the way back to the usual step, per scan
 constexpr double kAtRestM = 0.005;  // standard deviation of the motion of one at rest
 
 }  // namespace
@@ -81,7 +82,15 @@ std::optional<MotionHabits::Assumption> MotionHabits::assume(double turn) const 
   return out;
 }
 
+Pose2 MotionHabits::expect(const Pose2& step) const {
+  if (seen_ || last_ == Gait::kStill) return step;
+  const UsualStep& usual = last_ == Gait::kTurning ? turning_ : driving_;
+  if (usual.x.count < kLeastSeen) return step;
+  return {step.x + kBack * (usual.x.mean - step.x), step.y + kBack * (usual.y.mean - step.y), step.theta};
+}
+
 void MotionHabits::learn(const Pose2& step, bool seen) {
+  seen_ = seen;
   last_ = gait(step.theta);
   if (!seen) return;
   const double distance = std::hypot(step.x, step.y);

@@ -15,6 +15,8 @@ constexpr double kBentM = 0.01;  // what the motion may bend a scan, two metres 
 constexpr int kLostAfterJumps = 2;
 constexpr double kAfterGapShare = 0.8;  // a match after a gap that explains less than this of what is usual is chance
 constexpr double kDoubtfulM = 0.15;     // standard deviation since the last keyframe that asks for another
+// However long nothing shows the motion along a wall, so much is known of a step: else the first chance hit decides it.
+constexpr double kMostStepM = 0.15;
 const Eigen::Vector3d kUnknownStep(0.05 * 0.05, 0.05 * 0.05, 0.1 * 0.1);
 
 /// The middle of a scan's turn after its stamp [s].
@@ -73,7 +75,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   }
   const Pose2 predicted = predict(wheel_step, timing.periods, &score);
   // Robots keep on doing what they did.
-  Pose2 mean = exp_twist(log_pose(step_), timing.periods);
+  Pose2 mean = exp_twist(log_pose(options_.motion_habits ? habits_.expect(step_) : step_), timing.periods);
   mean.theta = predicted.theta;
   PosePrior prior = make_prior(mean, step_covariance_, timing.periods);
   habits_.add(surface_);
@@ -123,6 +125,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
       moved = hear_wheels(moved, *wheel_step, known);
     }
     step_covariance_ = known.inverse() / (timing.periods * timing.periods);
+    bound_translation(step_covariance_, kMostStepM);
     step.information = grow_information(seen, known, moved);
     untracked_ = 0;
     steadiness_.add(exp_twist(log_pose(step_), timing.periods).inverse() * moved);

@@ -5,6 +5,7 @@
 
 #include "phasescan/odometry/information.hpp"
 #include "phasescan/odometry/odometry.hpp"
+#include "phasescan/odometry/slide.hpp"
 
 namespace phasescan {
 namespace {
@@ -50,6 +51,8 @@ void Odometry::choose_points() {
 Registration Odometry::match(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, const Pose2& guess,
                              double periods, PosePrior& prior, OdometryStep& step) {
   Registration found = register_points(map_, *points_, guess, {}, prior);
+  // It looks no farther than scans that follow each other closely can be apart.
+  if (!steadiness_.jumps()) slide_unseen(prior, found);
   assume_habit(prior.T_map_base.theta - (map_.T_world_map().inverse() * T_odom_mid_).theta, periods, prior, found);
   double score = pose_score(map_, *points_, found.T_map_base, judging_stride(*points_));
   if (steadiness_.jumps()) catch_fall(scan, mount, T_stamp_mid, prior, found, score, step);
@@ -61,6 +64,16 @@ Registration Odometry::match(const Scan& scan, const LaserMount& mount, const Po
   }
   if (found.overlap >= options_.min_overlap) usual_final_ = kSlow * usual_final_ + (1.0 - kSlow) * score;
   return found;
+}
+
+void Odometry::slide_unseen(const PosePrior& prior, Registration& found) const {
+  if (found.overlap < options_.min_overlap || sees_both_ways(kMatchTrust * found.information)) return;
+  const Eigen::Vector3d u = least_seen_direction(found);
+  const Slide slide = slide_along(map_, *points_, found.T_map_base, u, prior);
+  Pose2& T = found.T_map_base;
+  T = {T.x + slide.offset_m * u.x(), T.y + slide.offset_m * u.y(), wrap_angle(T.theta + slide.offset_m * u.z())};
+  const Eigen::Vector3d along(u.x(), u.y(), 0.0);
+  found.information += slide.information * along * along.transpose();
 }
 
 void Odometry::assume_habit(double turn, double periods, PosePrior& prior, Registration& found) const {

@@ -1,10 +1,13 @@
 // Corridors: what little shows the way along them, and what only seems to.
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "phasescan/odometry/information.hpp"
 #include "phasescan/odometry/odometry.hpp"
+#include "phasescan/odometry/slide.hpp"
 #include "phasescan/sim/drive.hpp"
 #include "phasescan/sim/pairs_spec.hpp"
 #include "phasescan/sim/world_file.hpp"
@@ -88,6 +91,113 @@ TEST(Corridor, TheMotionGoesOnWhereNothingShowsItAndIsNotTakenForSeen) {
   EXPECT_LT(off[4], 0.8);  // of 3 m; taken for seen, the noise of the walls' normals held the robot where it was
 }
 
+/// The walls of a corridor with niches 0.8 m wide, every 3 m on either side.
+std::vector<Wall> niches(double depth) {
+  std::vector<Wall> walls = {{{0, -0.9}, {0, 0.9}}, {{40, -0.9}, {40, 0.9}}};
+  for (const double side : {-1.0, 1.0}) {
+    for (int k = 0; k < 13; ++k) {
+      const double x = 3.0 * k + (side > 0 ? 1.0 : 0.0), front = 0.9 * side, back = (0.9 + depth) * side;
+      walls.push_back({{x, front}, {x + 2.2, front}});
+      walls.push_back({{x + 2.2, front}, {x + 2.2, back}});
+      walls.push_back({{x + 2.2, back}, {x + 3.0, back}});
+      walls.push_back({{x + 3.0, back}, {x + 3.0, front}});
+    }
+  }
+  return walls;
+}
+
+/// How far off a robot is after 12 m between niches alone, started from rest there.
+double drive_past_niches(double depth, std::uint64_t seed, bool wheels) {
+  const auto walls = niches(depth);
+  const ToyLidar lidar{.beams = 180, .range_max = 4.0, .field = kPi};
+  Random random(seed);
+  Odometry odometry;
+  double x = 0.0, found = 0.0;
+  for (int i = 0; i < 250; ++i) {
+    x += std::min(0.05, 0.005 * i);
+    const std::optional<Pose2> wheel = wheels ? std::optional<Pose2>({x, 0, 0}) : std::nullopt;
+    const Scan scan = toy_scan(walls, {6.0 + x, 0, 0}, lidar, random, stamp_from_seconds(0.1 * i));
+    found = odometry.add(scan, {}, wheel).T_odom_mid.x;
+  }
+  return std::abs(found - x);
+}
+
+TEST(Corridor, ShallowNichesShowTheWayAlongIt) {
+  // Lost by 17 m of 12 where hits only count by their distance from the nearest line.
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    EXPECT_LT(drive_past_niches(0.1, seed, false), 0.5) << seed;
+    EXPECT_LT(drive_past_niches(0.2, seed, false), 0.3) << seed;
+  }
+}
+
+TEST(Corridor, WheelsAreBelievedUntilSomethingSpeaksAgainstThem) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) EXPECT_LT(drive_past_niches(0.0, seed, true), 0.3) << seed;
+}
+
+/// A scan from `x`, slid along a map made from eight poses before it, and how it is slid.
+Slide slide_in(const std::vector<Wall>& walls, double off) {
+  const ToyLidar lidar{.beams = 720, .range_max = 4.0};
+  Random random(3);
+  SurfaceWorkspace work;
+  SurfacePoints surface;
+  MapPoints points;
+  const auto see = [&](double x) {
+    find_surface(toy_scan(walls, {x, 0, 0}, lidar, random, 0), {}, work, surface, kTrackingLines);
+    to_map_points(surface, {}, 30.0, points);
+  };
+  LocalMap map;
+  map.reset({}, 35.0, 0.1);
+  for (int k = 0; k < 8; ++k) {
+    see(6.0 + 0.25 * k);
+    map.add(points, {0.25 * k, 0, 0});
+  }
+  map.finish();
+  see(7.8);
+  PosePrior prior;
+  prior.T_map_base = {1.8 + off, 0, 0};
+  prior.information.diagonal() << 1.0, 1.0, 1.0;
+  return slide_along(map, points, prior.T_map_base, {1.0, 0.0, 0.0}, prior);
+}
+
+TEST(Slide, NichesSayWhereAndBareWallsSayNothing) {
+  for (const double off : {-0.15, -0.05, 0.0, 0.1, 0.15}) {
+    const Slide niche = slide_in(niches(0.3), off), bare = slide_in(corridor(), off);
+    EXPECT_NEAR(niche.offset_m, -off, 0.04) << off;
+    EXPECT_GT(kMatchTrust * niche.information, 50.0) << off;
+    EXPECT_LT(kMatchTrust * bare.information, 20.0) << off;
+    EXPECT_LT(std::abs(bare.offset_m), 0.06) << off;
+  }
+}
+
+TEST(Slide, AnswersWithoutPointsAndWithoutMap) {
+  const Slide slide = slide_along(LocalMap{}, MapPoints{}, {}, {1.0, 0.0, 0.0}, {});
+  EXPECT_NEAR(slide.offset_m, 0.0, 1e-9);
+  EXPECT_TRUE(std::isfinite(slide.information));
+}
+
+TEST(Information, ABoundShrinksOnlyWhatIsLarger) {
+  Eigen::Matrix3d covariance;
+  covariance << 1.0, 0.9, 0.05, 0.9, 1.0, 0.04, 0.05, 0.04, 0.01;
+  const Eigen::Matrix3d before = covariance;
+  bound_translation(covariance, 2.0);
+  EXPECT_EQ(covariance, before);
+  bound_translation(covariance, 0.5);
+  EXPECT_NEAR(largest_deviation(covariance.inverse()), 0.5, 1e-9);
+  EXPECT_NEAR(covariance(0, 0) - covariance(0, 1), 0.1, 1e-9);  // across, 0.32 m as before
+  EXPECT_EQ(covariance(2, 2), 0.01);
+  EXPECT_GT(covariance.determinant(), 0.0);
+}
+
+TEST(Slide, TheDirectionLeastSeenIsThatOfTheWeakestInformation) {
+  Registration found;
+  const Eigen::Vector2d weak(0.6, 0.8), strong(-0.8, 0.6);
+  found.information.topLeftCorner<2, 2>() = 1e6 * strong * strong.transpose() + 10.0 * weak * weak.transpose();
+  found.information(2, 2) = 1e6;
+  const Eigen::Vector3d u = least_seen_direction(found);
+  EXPECT_NEAR(std::abs(u.head<2>().dot(weak)), 1.0, 1e-6);
+  EXPECT_NEAR(u.z(), 0.0, 1e-6);
+}
+
 std::vector<float> rough_corridor(double x, Random& noise) {
   // The relief is a function of the place, not of the beam.
   std::vector<float> ranges;
@@ -142,6 +252,12 @@ TEST(MotionHabits, AssumesRestOrTheUsualMotionOnceBothAreKnown) {
   ASSERT_TRUE(start.has_value());
   EXPECT_NEAR(start->x, 0.06, 0.005);
   EXPECT_FALSE(go(0.06, false).has_value());  // and so it goes on
+  // A speed that is not seen does not run away.
+  Pose2 step{0.2, 0.0, 0.0};
+  for (int i = 0; i < 200; ++i) step = habits.expect(step);
+  EXPECT_NEAR(step.x, 0.06, 0.01);
+  go(0.06, true);
+  EXPECT_EQ(habits.expect({0.2, 0.0, 0.0}).x, 0.2);
 }
 
 }  // namespace

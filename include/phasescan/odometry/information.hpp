@@ -17,6 +17,9 @@ Eigen::Matrix3d positive_part(const Eigen::Matrix3d& matrix);
 /// Standard deviation of the position in the direction that is known least [m].
 double largest_deviation(const Eigen::Matrix3d& information);
 
+/// Shrinks a covariance of (x, y, theta) until no direction of (x, y) has a standard deviation above `most_m`.
+void bound_translation(Eigen::Matrix3d& covariance, double most_m);
+
 /// What a match with that information, in the frame of the new base, leaves open of a step's (x, y), in that of the
 /// old.
 /// @param turn  from the old base to the new [rad]

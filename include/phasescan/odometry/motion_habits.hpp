@@ -37,6 +37,9 @@ class MotionHabits {
   /// What to assume of the motion up to the scan just added in place of "it goes on as it did"; empty: nothing.
   /// @param turn  during the usual period [rad]
   std::optional<Assumption> assume(double turn) const;
+  /// What to expect of the next step after `step`: the same again; where scans do not show it, a little nearer to what
+  /// is usual, for small errors of a speed that is not seen would add up.
+  Pose2 expect(const Pose2& step) const;
   /// What was found of the same scan. @param step  during the usual period  @param seen  the match shows it in each
   /// direction
   void learn(const Pose2& step, bool seen);
@@ -60,6 +63,7 @@ class MotionHabits {
   Usual likeness_still_, likeness_moving_;
   UsualStep driving_, turning_;
   Gait last_ = Gait::kDriving;
+  bool seen_ = true;  // the last step, in each direction
 };
 
 }  // namespace phasescan

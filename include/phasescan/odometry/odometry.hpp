@@ -66,6 +66,8 @@ class Odometry {
   void extract(const Scan& scan, const LaserMount& mount, const Twist2& twist, double duration_s);
   Pose2 predict(const std::optional<Pose2>& wheel_step, double periods, double* score) const;
   PosePrior make_prior(const Pose2& mean, Eigen::Matrix3d step_covariance, double periods) const;
+  /// Where the match says little along one direction, the pose there is the one that all hits fit best.
+  void slide_unseen(const PosePrior& prior, Registration& found) const;
   /// Along a bare corridor the match says nothing of the motion; if the habits do, it is done again with what they say.
   void assume_habit(double turn, double periods, PosePrior& prior, Registration& found) const;
   Pose2 hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const;

@@ -35,7 +35,7 @@ class WheelWitness {
 
  private:
   std::optional<Pose2> last_;
-  double trust_distance_ = 0.5, trust_turn_ = 0.5;
+  double trust_distance_ = 0.7, trust_turn_ = 0.7;
   Counts counts_;
 };
 
