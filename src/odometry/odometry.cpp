@@ -17,6 +17,7 @@ constexpr double kAfterGapShare = 0.8;  // a match after a gap that explains les
 constexpr double kDoubtfulM = 0.15;     // standard deviation since the last keyframe that asks for another
 // However long nothing shows the motion along a wall, so much is known of a step: else the first chance hit decides it.
 constexpr double kMostStepM = 0.15;
+constexpr double kWheelShare = 0.5;  // of trusted wheels in what is expected
 const Eigen::Vector3d kUnknownStep(0.05 * 0.05, 0.05 * 0.05, 0.1 * 0.1);
 
 /// The middle of a scan's turn after its stamp [s].
@@ -77,6 +78,11 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   // Robots keep on doing what they did.
   Pose2 mean = exp_twist(log_pose(options_.motion_habits ? habits_.expect(step_) : step_), timing.periods);
   mean.theta = predicted.theta;
+  if (wheel_step && wheels_.trust_distance() >= kLeastTrust && wheels_.trust_turn() >= kLeastTrust) {
+    // Wheels know of a change of speed before the habit of going on does.
+    mean.x += kWheelShare * (wheel_step->x - mean.x);
+    mean.y += kWheelShare * (wheel_step->y - mean.y);
+  }
   PosePrior prior = make_prior(mean, step_covariance_, timing.periods);
   habits_.add(surface_);
   ask_habits_ = options_.motion_habits && !(wheel_step && wheels_.trust_distance() >= kLeastTrust);
