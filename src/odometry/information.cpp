@@ -24,6 +24,13 @@ double largest_deviation(const Eigen::Matrix3d& information) {
   return std::sqrt(0.5 * covariance.trace() + std::hypot(half, covariance(0, 1)));
 }
 
+LeastSeen least_seen(const Eigen::Matrix3d& information) {
+  const Eigen::Matrix3d covariance = (information + 1e-3 * Eigen::Matrix3d::Identity()).inverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
+  const Eigen::Vector3d u = covariance.leftCols<2>() * eigen.eigenvectors().col(1);
+  return {u / u.head<2>().norm(), eigen.eigenvalues()(0) / eigen.eigenvalues()(1)};
+}
+
 void bound_translation(Eigen::Matrix3d& covariance, double most_m) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
   for (int k = 0; k < 2; ++k) {

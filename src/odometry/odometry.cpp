@@ -78,7 +78,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   // Robots keep on doing what they did.
   Pose2 mean = exp_twist(log_pose(options_.motion_habits ? habits_.expect(step_) : step_), timing.periods);
   mean.theta = predicted.theta;
-  if (wheel_step && wheels_.trust_distance() >= kLeastTrust && wheels_.trust_turn() >= kLeastTrust) {
+  if (wheel_step && hears_wheels()) {
     // Wheels know of a change of speed before the habit of going on does.
     mean.x += kWheelShare * (wheel_step->x - mean.x);
     mean.y += kWheelShare * (wheel_step->y - mean.y);

@@ -68,7 +68,7 @@ Registration Odometry::match(const Scan& scan, const LaserMount& mount, const Po
 
 void Odometry::slide_unseen(const PosePrior& prior, Registration& found) const {
   if (found.overlap < options_.min_overlap || sees_both_ways(kMatchTrust * found.information)) return;
-  const Eigen::Vector3d u = least_seen_direction(found);
+  const Eigen::Vector3d u = least_seen(kMatchTrust * found.information).direction;
   const Slide slide = slide_along(map_, *points_, found.T_map_base, u, prior);
   Pose2& T = found.T_map_base;
   T = {T.x + slide.offset_m * u.x(), T.y + slide.offset_m * u.y(), wrap_angle(T.theta + slide.offset_m * u.z())};

@@ -68,7 +68,7 @@ PosePrior Odometry::make_prior(const Pose2& mean, Eigen::Matrix3d covariance, do
 }
 
 Pose2 Odometry::hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const {
-  if (wheels_.trust_distance() < kLeastTrust || wheels_.trust_turn() < kLeastTrust) return moved;
+  if (!hears_wheels()) return moved;
   const double sigma_m = (kWheelM + kWheelPerM * std::hypot(wheel_step.x, wheel_step.y)) / wheels_.trust_distance();
   const double sigma_rad = (kWheelRad + kWheelPerRad * std::abs(wheel_step.theta)) / wheels_.trust_turn();
   const Eigen::Vector3d variance(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);

@@ -3,7 +3,6 @@
 #include "phasescan/odometry/information.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -132,11 +131,9 @@ Eigen::Matrix3d seen_by(const Pass& pass, const Distrust& distrust) {
 
 /// The direction of (x, y, theta) that is seen least; empty where the others are not seen much better.
 std::optional<Eigen::Vector3d> weak_direction(const Pass& pass) {
-  const Eigen::Matrix3d covariance = (seen_by(pass, {}) + 1e-3 * Eigen::Matrix3d::Identity()).inverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
-  if (eigen.eigenvalues()(0) > kLopsided * eigen.eigenvalues()(1)) return std::nullopt;
-  const Eigen::Vector3d u = covariance.leftCols<2>() * eigen.eigenvectors().col(1);
-  return u / u.head<2>().norm();
+  const LeastSeen least = least_seen(seen_by(pass, {}));
+  if (least.variance_ratio > kLopsided) return std::nullopt;
+  return least.direction;
 }
 
 /// What shows the position in a direction.

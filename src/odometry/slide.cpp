@@ -1,7 +1,5 @@
 #include "phasescan/odometry/slide.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -81,13 +79,6 @@ Moments moments_of(const Profile& weight) {
 }
 
 }  // namespace
-
-Eigen::Vector3d least_seen_direction(const Registration& found) {
-  const Eigen::Matrix3d covariance = (kMatchTrust * found.information + 1e-3 * Eigen::Matrix3d::Identity()).inverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance.topLeftCorner<2, 2>());
-  const Eigen::Vector3d u = covariance.leftCols<2>() * eigen.eigenvectors().col(1);
-  return u / u.head<2>().norm();
-}
 
 Slide slide_along(const LocalMap& map, const MapPoints& points, const Pose2& T_map_base,
                   const Eigen::Vector3d& direction, const PosePrior& prior) {

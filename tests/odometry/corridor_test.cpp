@@ -16,6 +16,7 @@
 namespace phasescan {
 namespace {
 
+using testing::corridor_with_niches;
 using testing::toy_scan;
 using testing::ToyLidar;
 using testing::Wall;
@@ -91,24 +92,9 @@ TEST(Corridor, TheMotionGoesOnWhereNothingShowsItAndIsNotTakenForSeen) {
   EXPECT_LT(off[4], 0.8);  // of 3 m; taken for seen, the noise of the walls' normals held the robot where it was
 }
 
-/// The walls of a corridor with niches 0.8 m wide, every 3 m on either side.
-std::vector<Wall> niches(double depth) {
-  std::vector<Wall> walls = {{{0, -0.9}, {0, 0.9}}, {{40, -0.9}, {40, 0.9}}};
-  for (const double side : {-1.0, 1.0}) {
-    for (int k = 0; k < 13; ++k) {
-      const double x = 3.0 * k + (side > 0 ? 1.0 : 0.0), front = 0.9 * side, back = (0.9 + depth) * side;
-      walls.push_back({{x, front}, {x + 2.2, front}});
-      walls.push_back({{x + 2.2, front}, {x + 2.2, back}});
-      walls.push_back({{x + 2.2, back}, {x + 3.0, back}});
-      walls.push_back({{x + 3.0, back}, {x + 3.0, front}});
-    }
-  }
-  return walls;
-}
-
 /// How far off a robot is after 12 m between niches alone, started from rest there.
 double drive_past_niches(double depth, std::uint64_t seed, bool wheels) {
-  const auto walls = niches(depth);
+  const auto walls = corridor_with_niches(40.0, depth);
   const ToyLidar lidar{.beams = 180, .range_max = 4.0, .field = kPi};
   Random random(seed);
   Odometry odometry;
@@ -161,7 +147,7 @@ Slide slide_in(const std::vector<Wall>& walls, double off) {
 
 TEST(Slide, NichesSayWhereAndBareWallsSayNothing) {
   for (const double off : {-0.15, -0.05, 0.0, 0.1, 0.15}) {
-    const Slide niche = slide_in(niches(0.3), off), bare = slide_in(corridor(), off);
+    const Slide niche = slide_in(corridor_with_niches(40.0, 0.3), off), bare = slide_in(corridor(), off);
     EXPECT_NEAR(niche.offset_m, -off, 0.04) << off;
     EXPECT_GT(kMatchTrust * niche.information, 50.0) << off;
     EXPECT_LT(kMatchTrust * bare.information, 20.0) << off;
@@ -188,12 +174,12 @@ TEST(Information, ABoundShrinksOnlyWhatIsLarger) {
   EXPECT_GT(covariance.determinant(), 0.0);
 }
 
-TEST(Slide, TheDirectionLeastSeenIsThatOfTheWeakestInformation) {
-  Registration found;
+TEST(Information, TheDirectionLeastSeenIsThatOfTheWeakestInformation) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   const Eigen::Vector2d weak(0.6, 0.8), strong(-0.8, 0.6);
-  found.information.topLeftCorner<2, 2>() = 1e6 * strong * strong.transpose() + 10.0 * weak * weak.transpose();
-  found.information(2, 2) = 1e6;
-  const Eigen::Vector3d u = least_seen_direction(found);
+  information.topLeftCorner<2, 2>() = 1e6 * strong * strong.transpose() + 10.0 * weak * weak.transpose();
+  information(2, 2) = 1e6;
+  const Eigen::Vector3d u = least_seen(information).direction;
   EXPECT_NEAR(std::abs(u.head<2>().dot(weak)), 1.0, 1e-6);
   EXPECT_NEAR(u.z(), 0.0, 1e-6);
 }

@@ -108,17 +108,7 @@ TEST(StayingThings, OneSeenAgainAfterTheRobotMovedStaysAndOneThatMovesWithItDoes
 
 /// How far off a robot ends that follows somebody for 12 m through a corridor with a few niches.
 double led_by_somebody(std::uint64_t seed, bool wheels) {
-  std::vector<Wall> corridor = {{{0, -0.9}, {0, 0.9}}, {{20, -0.9}, {20, 0.9}}};
-  for (const double side : {-1.0, 1.0}) {
-    // A door frame every 3 m, 40 cm deep.
-    for (int k = 0; k < 7; ++k) {
-      const double x = 3.0 * k + (side > 0 ? 1.0 : 0.0);
-      corridor.push_back({{x, 0.9 * side}, {x + 2.2, 0.9 * side}});
-      corridor.push_back({{x + 2.2, 0.9 * side}, {x + 2.2, 1.3 * side}});
-      corridor.push_back({{x + 2.2, 1.3 * side}, {x + 3.0, 1.3 * side}});
-      corridor.push_back({{x + 3.0, 1.3 * side}, {x + 3.0, 0.9 * side}});
-    }
-  }
+  const std::vector<Wall> corridor = testing::corridor_with_niches(20.0, 0.4);
   const ToyLidar lidar{.beams = 180, .range_max = 6.0, .field = kPi};
   Random random(seed);
   Odometry odometry;

@@ -34,6 +34,21 @@ inline void add_box(std::vector<Wall>& walls, double x1, double y1, double x2, d
   walls.push_back({{x1, y2}, {x1, y1}});
 }
 
+/// A corridor from x = 0 to `end`, 1.8 m wide, with a niche 0.8 m wide every 3 m on either side.
+inline std::vector<Wall> corridor_with_niches(double end, double depth) {
+  std::vector<Wall> walls = {{{0, -0.9}, {0, 0.9}}, {{end, -0.9}, {end, 0.9}}};
+  for (const double side : {-1.0, 1.0}) {
+    for (double x = side > 0 ? 1.0 : 0.0; x < end; x += 3.0) {
+      const double front = 0.9 * side, back = (0.9 + depth) * side;
+      walls.push_back({{x, front}, {x + 2.2, front}});
+      walls.push_back({{x + 2.2, front}, {x + 2.2, back}});
+      walls.push_back({{x + 2.2, back}, {x + 3.0, back}});
+      walls.push_back({{x + 3.0, back}, {x + 3.0, front}});
+    }
+  }
+  return walls;
+}
+
 inline double toy_range(const std::vector<Wall>& walls, const Eigen::Vector2d& from, double angle) {
   const Eigen::Vector2d d(std::cos(angle), std::sin(angle));
   double best = std::numeric_limits<double>::infinity();

@@ -17,6 +17,13 @@ Eigen::Matrix3d positive_part(const Eigen::Matrix3d& matrix);
 /// Standard deviation of the position in the direction that is known least [m].
 double largest_deviation(const Eigen::Matrix3d& information);
 
+/// The direction of (x, y, theta) that an information says least about.
+struct LeastSeen {
+  Eigen::Vector3d direction;    ///< of unit length in (x, y)
+  double variance_ratio = 1.0;  ///< of the other direction of (x, y) to this one, 0..1
+};
+LeastSeen least_seen(const Eigen::Matrix3d& information);
+
 /// Shrinks a covariance of (x, y, theta) until no direction of (x, y) has a standard deviation above `most_m`.
 void bound_translation(Eigen::Matrix3d& covariance, double most_m);
 

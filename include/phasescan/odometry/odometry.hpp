@@ -70,6 +70,7 @@ class Odometry {
   void slide_unseen(const PosePrior& prior, Registration& found) const;
   /// Along a bare corridor the match says nothing of the motion; if the habits do, it is done again with what they say.
   void assume_habit(double turn, double periods, PosePrior& prior, Registration& found) const;
+  bool hears_wheels() const { return wheels_.trust_distance() >= kLeastTrust && wheels_.trust_turn() >= kLeastTrust; }
   Pose2 hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const;
   Eigen::Matrix3d grow_information(const Eigen::Matrix3d& matched, const Eigen::Matrix3d& known, const Pose2& moved);
   Registration match(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, const Pose2& guess,

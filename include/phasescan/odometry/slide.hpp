@@ -16,9 +16,6 @@ struct Slide {
   double information = 0.0;  ///< of the scan alone, as a registration counts it [1/m^2]
 };
 
-/// The direction of (x, y, theta) that a registration says least about; of unit length in (x, y).
-Eigen::Vector3d least_seen_direction(const Registration& found);
-
 /// Tries poses up to 0.3 m to either side of `T_map_base` along `direction`. Registration by lines sees only how far
 /// hits are from the line they are nearest to; a hit on the back of a niche 10 cm deep lies on the wrong wall as soon
 /// as the pose slides, and that tells. Hits beyond what the map knows tell nothing.
