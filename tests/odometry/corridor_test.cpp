@@ -116,6 +116,27 @@ TEST(Corridor, ShallowNichesShowTheWayAlongIt) {
   }
 }
 
+/// How far off a robot is that sets off at once in a bare corridor, its wheels true.
+double set_off(double step_m, std::uint64_t seed) {
+  const ToyLidar lidar{.beams = 180, .range_max = 4.0, .field = kPi};
+  Random random(seed);
+  Odometry odometry;
+  double x = 0.0, found = 0.0;
+  for (int i = 0; i < 30; ++i) {
+    if (i > 10) x += step_m;
+    const Scan scan = toy_scan(corridor(), {6.0 + x, 0, 0}, lidar, random, stamp_from_seconds(0.1 * i));
+    found = odometry.add(scan, {}, Pose2{x, 0, 0}).T_odom_mid.x;
+  }
+  return std::abs(found - x);
+}
+
+TEST(Corridor, WheelsThatWereRightAreFollowedAtOnceWhenTheSpeedChanges) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    EXPECT_LT(set_off(0.05, seed), 0.04) << seed;
+    EXPECT_LT(set_off(0.12, seed), 0.2) << seed;
+  }
+}
+
 TEST(Corridor, WheelsAreBelievedUntilSomethingSpeaksAgainstThem) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) EXPECT_LT(drive_past_niches(0.0, seed, true), 0.3) << seed;
 }
