@@ -77,8 +77,10 @@ void MapPoints::append(const MapPoints& other, std::size_t i) {
   if (!other.lone(i)) ++with_normal;
 }
 
-void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double max_range_m, MapPoints& out) {
+void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double max_range_m, MapPoints& out,
+                   std::vector<int>* beams) {
   out.clear();
+  if (beams) beams->clear();
   out.reserve(surface.size());
   const auto c = static_cast<float>(std::cos(mount.T_base_laser.theta)),
              s = static_cast<float>(std::sin(mount.T_base_laser.theta));
@@ -99,6 +101,7 @@ void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double
     }
     out.normal_variance.push_back(normal_variance);
     out.small.push_back(small[i]);
+    if (beams) beams->push_back(surface.beam[i]);
     const float py = side * p.y, ny = side * p.ny;
     out.x.push_back(c * p.x - s * py + tx);
     out.y.push_back(s * p.x + c * py + ty);

@@ -40,7 +40,7 @@ void Odometry::extract(const Scan& scan, const LaserMount& mount, const Twist2& 
   LaserMount at_mid = mount;
   at_mid.T_base_laser = exp_twist(used, middle_s(scan, duration_s)).inverse() * mount.T_base_laser;
   all_points_ = std::make_shared<MapPoints>();
-  to_map_points(surface_, at_mid, options_.map_range_m, *all_points_);
+  to_map_points(surface_, at_mid, options_.map_range_m, *all_points_, &beams_);
   // Where scans stand far apart nothing is seen often enough to show that it stays.
   if (steadiness_.jumps()) std::fill(all_points_->small.begin(), all_points_->small.end(), std::uint8_t{0});
   choose_points();
@@ -62,7 +62,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
       step.tracked = true;
       step.overlap = 1.0;
       insert_keyframe(step);
-      net_.remember(scan, mount, T_odom_mid_, {});
+      last_scan_.remember(without_people(scan), mount, T_odom_mid_, {});
       if (options_.deskew && timing.duration_s > 0.0)
         first_ = First{scan, mount, timing.duration_s, all_points_, points_};
     }
@@ -92,7 +92,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   if (points_->with_normal >= kMinPoints) {
     // Where the scan's points are expressed, seen from its stamp.
     const Pose2 T_stamp_mid = exp_twist(options_.deskew ? twist : Twist2{}, middle_s(scan, timing.duration_s));
-    found = match(scan, mount, T_stamp_mid, found.T_map_base, timing.periods, prior, step);
+    found = match(ask_last_scan(scan, mount, twist, T_stamp_mid), found.T_map_base, timing.periods, prior, step);
     if (options_.deskew && timing.duration_s > 0.0 && seconds > 0.0) {
       // The motion found says how the scan was bent: once more, unbent.
       const Twist2 better = log_pose((T_map_odom * T_odom_mid_).inverse() * found.T_map_base);
@@ -165,7 +165,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step.T_odom_stamp = T_odom_mid_;
   }
 
-  if (step.tracked) net_.remember(scan, mount, step.T_odom_stamp, twist_);
+  if (step.tracked) last_scan_.remember(without_people(scan), mount, step.T_odom_stamp, twist_);
 
   const bool enough = points_->with_normal >= kMinPoints;
   // Where scans jump, the next ones share less and less with the map that lost this one.
@@ -175,7 +175,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step.new_segment = true;
     window_.clear();
     insert_keyframe(step);
-    net_.remember(scan, mount, step.T_odom_stamp, twist_);
+    last_scan_.remember(without_people(scan), mount, step.T_odom_stamp, twist_);
     untracked_ = 0;
   } else if (step.tracked && enough) {
     const Pose2 since = window_.back().T_odom_base.inverse() * T_odom_mid_;
@@ -222,11 +222,13 @@ void Odometry::insert_keyframe(OdometryStep& step) {
 void Odometry::unbend_first(const Twist2& twist, OdometryStep& step) {
   // The first scan stands with its stamp at the origin, as all others stand with theirs.
   const std::shared_ptr<MapPoints> last = all_points_, last_chosen = points_;
+  const std::vector<int> last_left_out = left_out_;
   extract(first_->scan, first_->mount, twist, first_->duration_s);
   *first_->all_points = *all_points_;
   *first_->points = *points_;
   all_points_ = last;
   points_ = last_chosen;
+  left_out_ = last_left_out;
   T_odom_mid_ = exp_twist(twist, middle_s(first_->scan, first_->duration_s));
   window_.front().T_odom_base = T_odom_mid_;
   step.T_odom_first = T_odom_mid_;

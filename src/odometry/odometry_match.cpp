@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "phasescan/odometry/information.hpp"
 #include "phasescan/odometry/odometry.hpp"
@@ -17,6 +18,7 @@ constexpr double kDoubtfulOverlap = 0.6;   // what a search in doubt must explai
 constexpr double kMostDoubtfulTurn = 1.2;  // [rad] that a search in doubt may be off the motion before
 constexpr double kHardlyWorse = 0.05;    // where scans jump, the full search is believed if it explains so little less
 constexpr double kClearlyBetter = 0.04;  // by so much of its score another pose must be better to be taken instead
+constexpr double kMostPeople = 0.3;      // of the hits
 // A small thing this near to a wall that faces as it does is a piece of it, seen through a door.
 constexpr float kPartOfWallM = 0.06F, kSameWay = 0.75F;
 
@@ -41,26 +43,54 @@ void Odometry::choose_points() {
     return wall && std::hypot(px - wall->x, py - wall->y) < kPartOfWallM;
   };
   chosen_.clear();
+  left_out_.clear();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!all.small[i] || met(i)) chosen_.push_back(i);
+    if (!all.small[i] || met(i)) {
+      chosen_.push_back(i);
+    } else {
+      left_out_.push_back(beams_[i]);
+    }
   }
   points_->reserve(chosen_.size());
   for (const std::size_t i : chosen_) points_->append(all, i);
 }
 
-Registration Odometry::match(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, const Pose2& guess,
-                             double periods, PosePrior& prior, OdometryStep& step) {
+Scan Odometry::without_people(const Scan& scan) const {
+  Scan left = scan;
+  // Where small things are much of what there is, they are furniture.
+  if (static_cast<double>(left_out_.size()) > kMostPeople * static_cast<double>(all_points_->size())) return left;
+  for (const int beam : left_out_) {
+    const auto i = static_cast<std::size_t>(beam);
+    left.ranges[i] = std::numeric_limits<float>::quiet_NaN();
+    left.states[i] = BeamState::kInvalid;
+  }
+  return left;
+}
+
+std::optional<Odometry::LastScanWitness> Odometry::ask_last_scan(const Scan& scan, const LaserMount& mount,
+                                                                 const Twist2& twist, const Pose2& T_stamp_mid) {
+  const std::optional<ScanToScan::Found> found = last_scan_.find(without_people(scan), mount, twist);
+  if (!found) return std::nullopt;
+  const Pose2& T_odom_map = map_.T_world_map();
+  return LastScanWitness{T_odom_map.inverse() * (found->T_odom_base * T_stamp_mid),
+                         rotate_information(found->covariance, -T_odom_map.theta), found->usable, found->certain};
+}
+
+Registration Odometry::match(const std::optional<LastScanWitness>& last, const Pose2& guess, double periods,
+                             PosePrior& prior, OdometryStep& step) {
+  const bool heard = last && last->certain && !steadiness_.jumps();
+  if (heard) prior = hear_last_scan(prior, *last);
   Registration found = register_points(map_, *points_, guess, {}, prior);
   // It looks no farther than scans that follow each other closely can be apart.
   if (!steadiness_.jumps()) slide_unseen(prior, found);
-  assume_habit(prior.T_map_base.theta - (map_.T_world_map().inverse() * T_odom_mid_).theta, periods, prior, found);
+  if (!heard) assume_habit(prior.T_map_base.theta - (map_.T_world_map().inverse() * T_odom_mid_).theta, periods, prior, found);
   double score = pose_score(map_, *points_, found.T_map_base, judging_stride(*points_));
-  if (steadiness_.jumps()) catch_fall(scan, mount, T_stamp_mid, prior, found, score, step);
+  if (steadiness_.jumps()) catch_fall(last, prior, found, score, step);
   if (!step.caught && (found.overlap < options_.min_overlap || score < kMinFinalShare * usual_final_)) {
     step.searched = true;
     look_around(prior, found, score);
     if (found.overlap < options_.min_overlap || score < kFallShare * usual_final_)
-      catch_fall(scan, mount, T_stamp_mid, prior, found, score, step);
+      catch_fall(last, prior, found, score, step);
   }
   if (found.overlap >= options_.min_overlap) usual_final_ = kSlow * usual_final_ + (1.0 - kSlow) * score;
   return found;
@@ -104,26 +134,23 @@ void Odometry::look_around(const PosePrior& prior, Registration& found, double& 
   }
 }
 
-void Odometry::catch_fall(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, PosePrior& prior,
-                          Registration& found, double& score, OdometryStep& step) {
-  const std::optional<SafetyNet::Catch> caught = net_.find(scan, mount, steadiness_.jumps());
-  if (!caught) return;
+void Odometry::catch_fall(const std::optional<LastScanWitness>& last, PosePrior& prior, Registration& found,
+                          double& score, OdometryStep& step) const {
+  if (!last || (!last->usable && !steadiness_.jumps())) return;
   // The match knows more of the pose now than the motion model does.
   PosePrior by_match;
-  by_match.T_map_base = map_.T_world_map().inverse() * (caught->T_odom_base * T_stamp_mid);
+  by_match.T_map_base = last->T_map_mid;
   // A match in doubt is a place to begin at, no more.
-  by_match.information = caught->sure
-                             ? rotate_information(caught->covariance.inverse() / kMatchTrust, -map_.T_world_map().theta)
-                             : prior.information;
+  by_match.information = last->usable ? last->covariance.inverse() / kMatchTrust : prior.information;
   if (!by_match.information.allFinite()) return;
-  if (!caught->sure) {
+  if (!last->usable) {
     // One in doubt may be the twin of the right one.
     if (angle_distance(prior.T_map_base.theta, by_match.T_map_base.theta) > kMostDoubtfulTurn) return;
   }
   const Registration again = register_points(map_, *points_, by_match.T_map_base, {}, by_match);
   const double again_score = pose_score(map_, *points_, again.T_map_base, judging_stride(*points_));
-  const double asked = !steadiness_.jumps() ? kClearlyBetter : caught->sure ? -kHardlyWorse : 0.0;
-  if (!caught->sure && again.overlap < kDoubtfulOverlap) return;
+  const double asked = !steadiness_.jumps() ? kClearlyBetter : last->usable ? -kHardlyWorse : 0.0;
+  if (!last->usable && again.overlap < kDoubtfulOverlap) return;
   if (again_score < score + asked && !(found.overlap < options_.min_overlap && again_score >= score)) return;
   found = again;
   score = again_score;

@@ -21,6 +21,10 @@ constexpr double kContradiction =
 // What wheels are off by, standing and in share of what they say, once they are trusted. Cheap robots' wheels.
 constexpr double kWheelM = 0.01, kWheelPerM = 0.06, kWheelRad = 0.01, kWheelPerRad = 0.08;
 constexpr double kChangeM = 0.025, kChangeRad = 0.06;  // how much the motion per scan changes from one to the next
+// What a match against the last scan is off by beside what it claims, and how much more than it claims: what moved
+// meanwhile is in no claim.
+constexpr double kMatchDoubt = 16.0;  // of the covariance
+constexpr double kMatchM = 0.015, kMatchRad = 0.01;
 
 }  // namespace
 
@@ -65,6 +69,20 @@ PosePrior Odometry::make_prior(const Pose2& mean, Eigen::Matrix3d covariance, do
   // The points of a scan are not independent of each other: the prior is weighed against a share of what they claim.
   prior.information = rotate_information(covariance.inverse() / kMatchTrust, prior.T_map_base.theta);
   return prior;
+}
+
+PosePrior Odometry::hear_last_scan(const PosePrior& prior, const LastScanWitness& last) const {
+  Eigen::Matrix3d covariance = kMatchDoubt * last.covariance;
+  covariance.diagonal() += Eigen::Vector3d(kMatchM * kMatchM, kMatchM * kMatchM, kMatchRad * kMatchRad);
+  const Eigen::Matrix3d told = covariance.inverse() / kMatchTrust;
+  const Pose2 &a = prior.T_map_base, &b = last.T_map_mid;
+  PosePrior both;
+  both.information = prior.information + told;
+  const Eigen::Vector3d off(b.x - a.x, b.y - a.y, wrap_angle(b.theta - a.theta));
+  const Eigen::Vector3d shift = both.information.inverse() * (told * off);
+  if (!shift.allFinite()) return prior;
+  both.T_map_base = {a.x + shift.x(), a.y + shift.y(), wrap_angle(a.theta + shift.z())};
+  return both;
 }
 
 Pose2 Odometry::hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const {

@@ -46,6 +46,8 @@ inline constexpr WallLines kTrackingLines{1.0, 2.0};
 /// Takes the hits into the frame of the base; hits beyond `max_range_m` are left out. Hits far apart on a wall seen at
 /// a grazing angle, too sparse for a fitted line, get the normal of the line through their neighbours: by themselves
 /// they would look like things that move with the sensor.
-void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double max_range_m, MapPoints& out);
+/// @param beams  if given: of each point, the index into the scan
+void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double max_range_m, MapPoints& out,
+                   std::vector<int>* beams = nullptr);
 
 }  // namespace phasescan

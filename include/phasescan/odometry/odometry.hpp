@@ -13,8 +13,8 @@
 #include "phasescan/odometry/motion_habits.hpp"
 #include "phasescan/odometry/options.hpp"
 #include "phasescan/odometry/registration.hpp"
-#include "phasescan/odometry/safety_net.hpp"
 #include "phasescan/odometry/scan_clock.hpp"
+#include "phasescan/odometry/scan_to_scan.hpp"
 #include "phasescan/odometry/steadiness.hpp"
 #include "phasescan/odometry/wheel_witness.hpp"
 #include "phasescan/scan/scan.hpp"
@@ -73,11 +73,23 @@ class Odometry {
   bool hears_wheels() const { return wheels_.trust_distance() >= kLeastTrust && wheels_.trust_turn() >= kLeastTrust; }
   Pose2 hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const;
   Eigen::Matrix3d grow_information(const Eigen::Matrix3d& matched, const Eigen::Matrix3d& known, const Pose2& moved);
-  Registration match(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, const Pose2& guess,
-                     double periods, PosePrior& prior, OdometryStep& step);
+  /// The scan as it is matched against the last one: without the small things that may be people.
+  Scan without_people(const Scan& scan) const;
+  /// A match in the frame of the map, where the scan's points are expressed.
+  struct LastScanWitness {
+    Pose2 T_map_mid;
+    Eigen::Matrix3d covariance;
+    bool usable = false, certain = false;
+  };
+  std::optional<LastScanWitness> ask_last_scan(const Scan& scan, const LaserMount& mount, const Twist2& twist,
+                                               const Pose2& T_stamp_mid);
+  /// What is expected, with what a match against the last scan says.
+  PosePrior hear_last_scan(const PosePrior& prior, const LastScanWitness& last) const;
+  Registration match(const std::optional<LastScanWitness>& last, const Pose2& guess, double periods, PosePrior& prior,
+                     OdometryStep& step);
   void look_around(const PosePrior& prior, Registration& found, double& score) const;
-  void catch_fall(const Scan& scan, const LaserMount& mount, const Pose2& T_stamp_mid, PosePrior& prior,
-                  Registration& found, double& score, OdometryStep& step);
+  void catch_fall(const std::optional<LastScanWitness>& last, PosePrior& prior, Registration& found, double& score,
+                  OdometryStep& step) const;
   /// Leaves out the small things that may be people: those that the map does not hold where they are expected.
   void choose_points();
   void insert_keyframe(OdometryStep& step);
@@ -90,12 +102,14 @@ class Odometry {
   MotionHabits habits_;
   bool ask_habits_ = false;  // the wheels cannot be asked
   ScanClock clock_;
-  SafetyNet net_;
+  ScanToScan last_scan_;
   SurfaceWorkspace surface_work_;
   SurfacePoints surface_;
   std::shared_ptr<MapPoints> all_points_;
   std::shared_ptr<MapPoints> points_;  // those that the pose is found by
   std::vector<std::size_t> chosen_;    // which these are
+  std::vector<int> beams_;             // of all points
+  std::vector<int> left_out_;          // beams of the others
   LocalMap map_;
   std::deque<WindowFrame> window_;
   bool started_ = false;
