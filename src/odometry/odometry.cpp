@@ -175,6 +175,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step.new_segment = true;
     window_.clear();
     insert_keyframe(step);
+    last_scan_.forget();
     last_scan_.remember(without_people(scan), mount, step.T_odom_stamp, twist_);
     untracked_ = 0;
   } else if (step.tracked && enough) {

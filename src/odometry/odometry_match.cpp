@@ -83,7 +83,8 @@ Registration Odometry::match(const std::optional<LastScanWitness>& last, const P
   Registration found = register_points(map_, *points_, guess, {}, prior);
   // It looks no farther than scans that follow each other closely can be apart.
   if (!steadiness_.jumps()) slide_unseen(prior, found);
-  if (!heard) assume_habit(prior.T_map_base.theta - (map_.T_world_map().inverse() * T_odom_mid_).theta, periods, prior, found);
+  if (!heard)
+    assume_habit(prior.T_map_base.theta - (map_.T_world_map().inverse() * T_odom_mid_).theta, periods, prior, found);
   double score = pose_score(map_, *points_, found.T_map_base, judging_stride(*points_));
   if (steadiness_.jumps()) catch_fall(last, prior, found, score, step);
   if (!step.caught && (found.overlap < options_.min_overlap || score < kMinFinalShare * usual_final_)) {

@@ -43,5 +43,49 @@ TEST(ScanToScan, TheLeastKnownDirectionLiesAlongTheLongRoomWhateverTheHeadings) 
   }
 }
 
+/// How many of so many matches in a row, the robot driving along, are taken for certain.
+int certain_of(int count, const std::vector<Wall>& walls, double from_x, ScanToScan& net, Random& random) {
+  const testing::ToyLidar lidar{.beams = 180, .range_max = 6.0, .noise = 0.02, .field = kPi};
+  int certain = 0;
+  for (int i = 0; i < count; ++i) {
+    const Pose2 before{from_x + 0.05 * i, 0.0, 0.0}, now{from_x + 0.05 * (i + 1), 0.0, 0.0};
+    net.remember(toy_scan(walls, before, lidar, random, 0), {}, before, {});
+    const auto found = net.find(toy_scan(walls, now, lidar, random, 1), {}, {});
+    certain += found && found->certain;
+  }
+  return certain;
+}
+
+TEST(ScanToScan, EachLaserIsMatchedWithItsOwnLastScan) {
+  // One looks ahead, the other back: they share hardly anything.
+  const auto walls = testing::two_rooms();
+  const testing::ToyLidar half{.beams = 240, .range_max = 8.0, .noise = 0.01, .field = kPi};
+  const LaserMount lasers[] = {{{0.2, 0.0, 0.0}, false}, {{-0.2, 0.0, kPi}, false}};
+  Random random(5);
+  ScanToScan net;
+  const Pose2 before{0.2, 0.1, 0.3}, now{0.3, 0.15, 0.4};
+  for (const LaserMount& laser : lasers)
+    net.remember(toy_scan(walls, before * laser.T_base_laser, half, random, 0), laser, before, {});
+  for (const LaserMount& laser : lasers) {
+    const auto found = net.find(toy_scan(walls, now * laser.T_base_laser, half, random, 1), laser, {});
+    ASSERT_TRUE(found && found->certain);
+    EXPECT_LT(translation_distance(found->T_odom_base, now), 0.02);
+    EXPECT_LT(angle_distance(found->T_odom_base.theta, now.theta), 0.01);
+  }
+  net.forget();
+  EXPECT_FALSE(net.find(toy_scan(walls, now, half, random, 1), lasers[0], {}));
+}
+
+TEST(ScanToScan, WhereMostMatchesAreAmbiguousTheFewThatClaimToKnowAreNotCertain) {
+  const std::vector<Wall> corridor = {{{-20, -0.9}, {40, -0.9}}, {{-20, 0.9}, {40, 0.9}}};
+  Random random(4);
+  ScanToScan net;
+  EXPECT_EQ(certain_of(30, testing::two_rooms(), -1.5, net, random), 30);
+  EXPECT_EQ(certain_of(60, corridor, 0.0, net, random), 0);
+  // Back in the rooms it takes a while.
+  EXPECT_EQ(certain_of(3, testing::two_rooms(), -1.5, net, random), 0);
+  EXPECT_GT(certain_of(30, testing::two_rooms(), -1.5, net, random), 15);
+}
+
 }  // namespace
 }  // namespace phasescan

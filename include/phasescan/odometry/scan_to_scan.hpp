@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/match/scan_matcher.hpp"
@@ -11,8 +12,8 @@
 
 namespace phasescan {
 
-/// Remembers the last scan whose pose is trusted and finds the next one from it, however far the robot turned
-/// meanwhile. It knows nothing of the local map: what that was built on wrongly does not mislead it.
+/// Remembers the last scan of each laser whose pose is trusted and finds the next one from it, however far the robot
+/// turned meanwhile. It knows nothing of the local map: what that was built on wrongly does not mislead it.
 class ScanToScan {
  public:
   struct Found {
@@ -24,21 +25,29 @@ class ScanToScan {
     bool certain = false;
   };
 
+  /// Forgets all scans: what comes next is not tied to them.
+  void forget() { views_.clear(); }
   /// @param twist  of the base during the scan
   void remember(const Scan& scan, const LaserMount& mount, const Pose2& T_odom_stamp, const Twist2& twist);
 
-  /// The pose of a scan by a global match (fft-mh); empty where there is not even a guess.
+  /// The pose of a scan by a global match (fft-mh) against the last one of the same laser, else of another that sees
+  /// the world the same way up; empty where there is not even a guess.
   /// @param twist  of the base during the scan, as far as it is known
   /// @cost one match, about 0.1 ms
   std::optional<Found> find(const Scan& scan, const LaserMount& mount, const Twist2& twist);
 
  private:
+  struct View {
+    Scan scan;
+    LaserMount mount;
+    Pose2 T_odom_stamp;
+    Twist2 twist;
+    double certain_share = 1.0;  // of the matches lately
+  };
+  View* view_of(const LaserMount& mount);
+
   ScanMatcher matcher_;
-  std::optional<Scan> scan_;
-  LaserMount mount_;
-  Pose2 T_odom_stamp_;
-  Twist2 twist_;
-  double certain_share_ = 1.0;  // of the matches lately
+  std::vector<View> views_;  // the latest last
 };
 
 }  // namespace phasescan
