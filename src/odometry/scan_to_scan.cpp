@@ -13,17 +13,11 @@ constexpr double kCertain = 0.99;      // confidence
 constexpr double kSlow = 0.9, kLeastCertainShare = 0.7;
 constexpr std::size_t kMostLasers = 4;
 
-bool same_laser(const LaserMount& a, const LaserMount& b) {
-  const Pose2 &p = a.T_base_laser, &q = b.T_base_laser;
-  return a.flipped == b.flipped && p.x == q.x && p.y == q.y && p.theta == q.theta;
-}
-
 }  // namespace
 
-void ScanToScan::remember(const Scan& scan, const LaserMount& mount, const Pose2& T_odom_stamp, const Twist2& twist) {
-  View view{scan, mount, T_odom_stamp, twist};
-  const auto before =
-      std::find_if(views_.begin(), views_.end(), [&](const View& v) { return same_laser(v.mount, mount); });
+void ScanToScan::remember(Scan scan, const LaserMount& mount, const Pose2& T_odom_stamp, const Twist2& twist) {
+  View view{std::move(scan), mount, T_odom_stamp, twist};
+  const auto before = std::find_if(views_.begin(), views_.end(), [&](const View& v) { return v.mount == mount; });
   if (before != views_.end()) {
     view.certain_share = before->certain_share;
     views_.erase(before);
@@ -36,7 +30,7 @@ void ScanToScan::remember(const Scan& scan, const LaserMount& mount, const Pose2
 ScanToScan::View* ScanToScan::view_of(const LaserMount& mount) {
   View* latest = nullptr;
   for (View& view : views_) {
-    if (same_laser(view.mount, mount)) return &view;
+    if (view.mount == mount) return &view;
     // Two lasers of which one is upside down see mirrored worlds.
     if (view.mount.flipped == mount.flipped) latest = &view;
   }

@@ -21,11 +21,6 @@ bool same(const ScanGeometry& a, const ScanGeometry& b) {
          a.range_max == b.range_max;
 }
 
-bool same(const LaserMount& a, const LaserMount& b) {
-  return a.flipped == b.flipped && a.T_base_laser.x == b.T_base_laser.x && a.T_base_laser.y == b.T_base_laser.y &&
-         a.T_base_laser.theta == b.T_base_laser.theta;
-}
-
 }  // namespace
 
 std::size_t ScanStore::add(const Scan& scan, const LaserMount& mount) {
@@ -37,8 +32,8 @@ std::size_t ScanStore::add(const Scan& scan, const LaserMount& mount) {
   std::size_t kind = kinds_.size();
   for (std::size_t k = kinds_.size(), looked = 0; k-- > 0 && looked < 4; ++looked) {
     const Kind& known = kinds_[k];
-    if (same(known.geometry, scan.geometry) && known.time_increment == scan.time_increment &&
-        same(known.mount, mount) && known.angles == scan.angles) {
+    if (same(known.geometry, scan.geometry) && known.time_increment == scan.time_increment && known.mount == mount &&
+        known.angles == scan.angles) {
       kind = k;
       break;
     }

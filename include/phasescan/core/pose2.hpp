@@ -24,6 +24,9 @@ struct Pose2 {
   double y = 0.0;
   double theta = 0.0;
 
+  /// The same numbers: headings a whole turn apart are not equal.
+  bool operator==(const Pose2&) const = default;
+
   Eigen::Vector2d translation() const { return {x, y}; }
   Eigen::Matrix2d rotation() const {
     const double c = std::cos(theta), s = std::sin(theta);

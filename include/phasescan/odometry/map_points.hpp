@@ -14,6 +14,8 @@ struct LaserMount {
   Pose2 T_base_laser;
   bool flipped = false;  ///< upside down: the laser's y axis points to the robot's right
 
+  bool operator==(const LaserMount&) const = default;
+
   /// Takes a point of the laser's frame into that of the base.
   Eigen::Vector2d to_base(const Eigen::Vector2d& p) const {
     return T_base_laser * Eigen::Vector2d(p.x(), flipped ? -p.y() : p.y());

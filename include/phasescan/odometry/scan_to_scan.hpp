@@ -28,7 +28,7 @@ class ScanToScan {
   /// Forgets all scans: what comes next is not tied to them.
   void forget() { views_.clear(); }
   /// @param twist  of the base during the scan
-  void remember(const Scan& scan, const LaserMount& mount, const Pose2& T_odom_stamp, const Twist2& twist);
+  void remember(Scan scan, const LaserMount& mount, const Pose2& T_odom_stamp, const Twist2& twist);
 
   /// The pose of a scan by a global match (fft-mh) against the last one of the same laser, else of another that sees
   /// the world the same way up; empty where there is not even a guess.
