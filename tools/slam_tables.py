@@ -27,6 +27,14 @@ def relations(rows, _):
                      "above 0.2 m", "unanswered"], table, 4)
 
 
+def relation_noise(rows, _):
+    columns = ("apart", "match_base", "slam_base", "match_laser", "slam_laser")
+    return markdown(["log", "turn [deg]", "relations", "matched", "match and SLAM [m]", "match and relation, base [m]", "SLAM and relation, base [m]",
+                     "match and relation, laser [m]", "SLAM and relation, laser [m]", "exact poses and relation [m]"],
+                    [[r["log"], "{:.0f} to {:.0f}".format(*r["turn_deg"]), r["relations"], r["n"], *(number(r["mean_m"][c], 4) for c in columns),
+                      number(r["exact_mean_m"], 4)] for r in rows], 2)
+
+
 def cost(rows, _):
     table = []
     for r in rows:
@@ -98,5 +106,5 @@ def retrieval(rows, _):
                      "wrong and verified"], table, 0)
 
 
-KINDS = {"slam-relations": relations, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same, "slam-glass": glass, "slam-sparse": sparse,
+KINDS = {"slam-relations": relations, "slam-relation-noise": relation_noise, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same, "slam-glass": glass, "slam-sparse": sparse,
          "slam-retrieval": retrieval, "slam-memory": memory}
