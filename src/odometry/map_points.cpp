@@ -12,6 +12,7 @@ namespace {
 
 constexpr float kLoneSigma = 0.03F;     // [m] of a hit without a line
 constexpr float kGrazingCosine = 0.4F;  // between a beam and the normal of a wall that counts as grazed
+constexpr float kGrazingSigmas = 8.0F;  // of the range noise: shorter than this its line is the scatter of a beam
 constexpr int kGrazingBeams = 4;        // that the three hits of its line may span
 constexpr float kModelSigma = 0.003F;   // [m] walls are not lines and beams are not points
 
@@ -31,7 +32,7 @@ std::optional<GrazingLine> grazing_line(const SurfacePoints& surface, std::size_
     const float dx = c.x - a.x, dy = c.y - a.y, length = std::sqrt(dx * dx + dy * dy);
     // The nearer end of the three sees the line least along the beam.
     const float range = std::min(surface.range[first], surface.range[first + 2]);
-    if (!(length > 0.0F) || !(range > 0.0F)) continue;
+    if (!(length > kGrazingSigmas * surface.sigma[i]) || !(range > 0.0F)) continue;
     const float nx = -dy / length, ny = dx / length;
     const float across = nx * a.x + ny * a.y;
     const float cosine = std::fabs(across) / range;

@@ -186,7 +186,8 @@ void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work,
   for (std::size_t i = 0; i < n; ++i) out.sigma[i] = out.noise.sigma(out.range[i]);
   find_segments(out, out.spacing, work);
   const double noisy = std::clamp((static_cast<double>(out.noise.floor_m) - kReliefM) / kReliefM, 0.0, 1.0);
-  find_lines(lines.straightness + noisy * (lines.noisy_straightness - lines.straightness), work, out);
+  find_lines(lines.straightness + noisy * (lines.noisy_straightness - lines.straightness), lines.least_spread, work,
+             out);
   for (auto& k : out.beam) k = work.order[static_cast<std::size_t>(k)];
 }
 

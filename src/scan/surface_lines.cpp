@@ -88,7 +88,7 @@ LineFit fit_short_line(const SurfaceWorkspace& work, std::size_t hit, double exp
 
 }  // namespace
 
-void find_lines(double straightness, SurfaceWorkspace& work, SurfacePoints& out) {
+void find_lines(double straightness, double least_spread, SurfaceWorkspace& work, SurfacePoints& out) {
   using namespace surface_lines;
   const std::size_t n = out.size(), padded = (n + kLinesPadding - 1) / kLinesPadding * kLinesPadding;
   sum_up(out, padded, work);
@@ -98,11 +98,22 @@ void find_lines(double straightness, SurfaceWorkspace& work, SurfacePoints& out)
   work.lines.resize(kLineFields * padded);
   work.found.resize(padded);
   work.hits.resize(kHitFields * padded);
-  const LinesTask task{work.sums.data(),         work.x.data(),    work.y.data(),
-                       out.range.data(),         out.sigma.data(), work.segment_begin.data(),
-                       work.segment_end.data(),  padded,           out.spacing,
-                       kReachShare * out.extent, straightness,     work.half.data(),
-                       work.lines.data(),        work.hits.data(), work.found.data()};
+  const LinesTask task{work.sums.data(),
+                       work.x.data(),
+                       work.y.data(),
+                       out.range.data(),
+                       out.sigma.data(),
+                       work.segment_begin.data(),
+                       work.segment_end.data(),
+                       padded,
+                       out.spacing,
+                       kReachShare * out.extent,
+                       straightness,
+                       least_spread,
+                       work.half.data(),
+                       work.lines.data(),
+                       work.hits.data(),
+                       work.found.data()};
   fit_long_lines(task);
   for (std::size_t i = 0; i < n; ++i) {
     if (work.found[i] != 0 || work.segment_end[i] - work.segment_begin[i] < 3) continue;

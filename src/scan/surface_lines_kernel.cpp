@@ -121,6 +121,8 @@ void FinishHits(const LinesTask& task) {
     good = hn::And(good, hn::Le(hn::Mul(off, off), hn::Mul(hn::Set(kD, 9.0), hn::Max(expected, residual))));
     const V towards = hn::Neg(hn::Div(hn::Add(hn::Mul(nx, px), hn::Mul(ny, py)), range));
     const V cosine = hn::Min(hn::Max(towards, zero), one);
+    const V scatter = hn::Mul(expected, hn::Sub(one, hn::Mul(cosine, cosine)));
+    good = hn::And(good, hn::Ge(spread, hn::Mul(hn::Set(kD, task.least_spread), scatter)));
     const V across = hn::Mul(hn::Max(cosine, hn::Set(kD, kLeastCosine)), sigma), across2 = hn::Mul(across, across);
     const V turn =
         hn::Min(hn::Div(hn::Max(across2, residual), hn::Mul(count, spread)), hn::Set(kD, kMostNormalVariance));

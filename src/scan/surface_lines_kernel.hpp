@@ -24,6 +24,7 @@ struct LinesTask {
   std::size_t count;                ///< padded to whole vectors
   double spacing, least_reach;      ///< between beams [rad]; of a window [m]
   double straightness;              ///< of the expected variance across the line: a longer line must fit this well
+  double least_spread;              ///< of the variance that noise alone has along the line
   std::int32_t* half;               ///< half a window
   double* lines;                    ///< kLineFields arrays of `count`
   float* hits;                      ///< kHitFields arrays of `count`

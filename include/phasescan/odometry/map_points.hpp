@@ -43,7 +43,7 @@ struct MapPoints {
 };
 
 /// Walls as `find_surface` shall follow them where a map of them is tracked.
-inline constexpr WallLines kTrackingLines{1.0, 2.0};
+inline constexpr WallLines kTrackingLines{1.0, 2.0, 4.0};
 
 /// Takes the hits into the frame of the base; hits beyond `max_range_m` are left out. Hits far apart on a wall seen at
 /// a grazing angle, too sparse for a fitted line, get the normal of the line through their neighbours: by themselves

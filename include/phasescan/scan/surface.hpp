@@ -84,6 +84,9 @@ struct SurfaceWorkspace {
 struct WallLines {
   double straightness = 1.0;
   double noisy_straightness = 1.0;  ///< where the noise near the sensor is 2 cm and more; in between from 1 cm on
+  /// Variance along the line that is asked for, of what the noise scatters along it: a few hits close together lie
+  /// along their beams by that alone, and seem a wall that faces along the scanner's way.
+  double least_spread = 0.0;
 };
 
 /// Beams of a scan in order of direction, counter-clockwise: `order` holds beam indices, `angle` their directions
