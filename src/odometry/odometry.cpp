@@ -75,13 +75,18 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step_covariance_ = 100.0 * kUnknownStep.asDiagonal();
   }
   const Pose2 predicted = predict(wheel_step, timing.periods, &score);
+  // A laser heard for the first time may look where no other did. Its half of a room fits another's after half a turn:
+  // the way so far says where it is.
+  const bool new_laser = !last_scan_.knows(mount) && untracked_ == 0 && !timing.gap && !steadiness_.jumps() &&
+                         points_->with_normal >= kMinPoints;
   // Robots keep on doing what they did.
   Pose2 mean = exp_twist(log_pose(options_.motion_habits ? habits_.expect(step_) : step_), timing.periods);
-  mean.theta = predicted.theta;
+  if (!new_laser) mean.theta = predicted.theta;
   if (wheel_step && hears_wheels()) {
     // Wheels know of a change of speed before the habit of going on does.
     mean.x += kWheelShare * (wheel_step->x - mean.x);
     mean.y += kWheelShare * (wheel_step->y - mean.y);
+    if (new_laser) mean = *wheel_step;
   }
   PosePrior prior = make_prior(mean, step_covariance_, timing.periods);
   habits_.add(surface_);
@@ -89,7 +94,13 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   Pose2 T_map_odom = map_.T_world_map().inverse();
   Registration found;
   found.T_map_base = T_map_odom * T_odom_mid_ * predicted;
-  if (points_->with_normal >= kMinPoints) {
+  if (new_laser) {
+    found = register_points(map_, *points_, prior.T_map_base, {}, prior);
+    if (found.overlap < options_.min_overlap) {
+      found = {};
+      found.T_map_base = prior.T_map_base;
+    }
+  } else if (points_->with_normal >= kMinPoints) {
     // Where the scan's points are expressed, seen from its stamp.
     const Pose2 T_stamp_mid = exp_twist(options_.deskew ? twist : Twist2{}, middle_s(scan, timing.duration_s));
     found = match(ask_last_scan(scan, mount, twist, T_stamp_mid), found.T_map_base, timing.periods, prior, step);
@@ -115,7 +126,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   first_.reset();
   step.overlap = found.overlap;
   step.residual_m = found.residual_m;
-  step.tracked = found.overlap >= options_.min_overlap;
+  step.tracked = new_laser || found.overlap >= options_.min_overlap;
   if (timing.gap && pose_score(map_, *points_, found.T_map_base) < kAfterGapShare * usual_final_) {
     // The robot may have been carried anywhere meanwhile; rooms look alike enough for a match to be found in any.
     step.tracked = false;
@@ -184,7 +195,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
                          std::abs(since.theta) / deg_to_rad(options_.keyframe_angle_deg);
     // What was driven unseen is corrected between keyframes: they must stand close there, however far it seemed.
     const bool doubtful = largest_deviation(step.information) > kDoubtfulM;
-    if (share > 1.0 || (step.overlap < 0.6 && share > 0.3) || doubtful) insert_keyframe(step);
+    if (share > 1.0 || (step.overlap < 0.6 && share > 0.3) || doubtful || new_laser) insert_keyframe(step);
   }
   return step;
 }

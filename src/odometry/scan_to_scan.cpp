@@ -9,7 +9,7 @@ namespace phasescan {
 namespace {
 
 constexpr double kLeastOverlap = 0.3;  // a match that explains less is no guess
-constexpr double kCertain = 0.99;      // confidence
+constexpr double kCertain = 0.95;      // confidence
 constexpr double kSlow = 0.9, kLeastCertainShare = 0.7;
 constexpr std::size_t kMostLasers = 4;
 
@@ -25,6 +25,10 @@ void ScanToScan::remember(Scan scan, const LaserMount& mount, const Pose2& T_odo
     views_.erase(views_.begin());
   }
   views_.push_back(std::move(view));
+}
+
+bool ScanToScan::knows(const LaserMount& mount) const {
+  return std::any_of(views_.begin(), views_.end(), [&](const View& v) { return v.mount == mount; });
 }
 
 ScanToScan::View* ScanToScan::view_of(const LaserMount& mount) {

@@ -167,6 +167,48 @@ TEST(Odometry, HostileScansNeverBreakIt) {
   }
 }
 
+TEST(Odometry, TwoLasersThatShareNoViewAreNotTurnedAbout) {
+  // Front and rear half of a room that looks alike after half a turn; neither sees what the other does.
+  std::vector<testing::Wall> walls{
+      {{-4.5, -3.1}, {4.5, -3.1}}, {{4.5, -3.1}, {4.5, 3.1}}, {{4.5, 3.1}, {-4.5, 3.1}}, {{-4.5, 3.1}, {-4.5, -3.1}}};
+  testing::add_box(walls, 2.0, 2.3, 2.6, 2.9);
+  testing::add_box(walls, -2.9, -2.8, -2.2, -2.2);
+  const ToyLidar half{.beams = 270, .range_max = 12.0, .field = kPi};
+  const LaserMount front{{0.2, 0.0, 0.0}}, rear{{-0.2, 0.0, kPi}};
+  Random random(5);
+  Odometry odometry;
+  Pose2 truth;
+  double farthest = 0.0;
+  for (int i = 0; i < 120; ++i) {
+    truth = truth * Pose2{0.02, 0.0, i > 40 && i < 90 ? 0.02 : 0.0};
+    for (const LaserMount& mount : {front, rear}) {
+      const Stamp stamp = stamp_from_seconds(0.05 * i + (mount == rear ? 1e-6 : 0.0));
+      const OdometryStep step =
+          odometry.add(toy_scan(walls, truth * mount.T_base_laser, half, random, stamp), mount, std::nullopt);
+      farthest = std::max(farthest, translation_distance(Pose2{0.02, 0.0, 0.0} * step.T_odom_mid, truth));
+    }
+  }
+  EXPECT_LT(farthest, 0.1);
+}
+
+TEST(MapPoints, HitsThatScatterAlongTheirBeamsAreNoWall) {
+  Random random(1);
+  Scan scan = toy_scan({{{0.0, 0.0}, {0.0, 0.0}}}, {}, {.beams = 682, .range_max = 4.0, .field = 4.19}, random, 0);
+  const auto side = static_cast<std::size_t>(scan.size() * 7 / 8);  // to the left of the sensor
+  const float off[] = {0.02F, -0.015F, 0.01F, -0.02F, 0.015F};
+  for (std::size_t k = 0; k < std::size(off); ++k) {
+    scan.ranges[side + k] = 0.6F + off[k];
+    scan.states[side + k] = BeamState::kHit;
+  }
+  SurfaceWorkspace work;
+  SurfacePoints surface;
+  find_surface(scan, {}, work, surface, kTrackingLines);
+  MapPoints points;
+  to_map_points(surface, {}, 10.0, points);
+  ASSERT_EQ(points.size(), std::size(off));
+  for (std::size_t k = 0; k < points.size(); ++k) EXPECT_TRUE(points.lone(k)) << k;
+}
+
 TEST(Odometry, RefusesOptionsOutOfBounds) {
   OdometryOptions options;
   options.cell_m = 0.0;

@@ -30,6 +30,8 @@ class ScanToScan {
   /// @param twist  of the base during the scan
   void remember(Scan scan, const LaserMount& mount, const Pose2& T_odom_stamp, const Twist2& twist);
 
+  /// Whether a scan of that laser is remembered.
+  bool knows(const LaserMount& mount) const;
   /// The pose of a scan by a global match (fft-mh) against the last one of the same laser, else of another that sees
   /// the world the same way up; empty where there is not even a guess.
   /// @param twist  of the base during the scan, as far as it is known
