@@ -7,6 +7,7 @@
 #include "phasescan/eval/log_doctor.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/log_summary.hpp"
+#include "phasescan/io/odometry_source.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -40,6 +41,9 @@ int run_info(const InfoFlags& flags) {
   print_line("format", reader->format());
   for (const auto& [name, value] : reader->facts()) print_line(name, value);
   for (const auto& [name, value] : summary.lines()) print_line(name, value);
+  // Whether slam listens to it is decided in one place.
+  if (summary.odometry_equals_corrected())
+    print_line("odometry, for slam", find_odometry_source(flags.log, flags.options).assumed);
   std::map<std::string, std::size_t> damages;
   for (const LogDamage& damage : reader->damages()) ++damages[damage.kind];
   print_line("damaged places", std::to_string(reader->damage_count()));

@@ -18,7 +18,7 @@ namespace {
 
 struct SlamFlags {
   CommonFlags common;
-  std::string log, out, topic, odometry = "auto", mcap;
+  std::string log, out, topic, columns, odometry = "auto", mcap;
   double range_max = 0.0;
   int beam_step = 1;
 };
@@ -90,14 +90,16 @@ int run_slam(const SlamFlags& flags) {
   run.glass_blocks = config.slam.glass.block;
   LogOptions log_options;
   log_options.topic = flags.topic;
+  log_options.columns = flags.columns;
   const std::unique_ptr<LogReader> reader = open_log(flags.log, log_options);
   run.format = reader->format();
   if (flags.odometry == "none") {
     run.odometry_assumed = "not used, as asked for";
   } else {
     const OdometrySource source = find_odometry_source(flags.log, log_options);
-    run.odometry_used = source.usable;
-    run.odometry_assumed = source.assumed;
+    run.odometry_used = source.usable && config.slam.odometry.use_wheels;
+    run.odometry_assumed =
+        source.usable && !run.odometry_used ? "not used: odometry.use_wheels is false" : source.assumed;
   }
   make_folder(flags.out);
   std::optional<McapWriter> mcap;  // opened before the work, so that a name that cannot be written costs no minutes
@@ -157,6 +159,8 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
   command->add_option("--mcap", flags->mcap, "write scans, frames, path and map for Foxglove or Lichtblick")
       ->check(not_empty());
   command->add_option("--topic", flags->topic, "ROS: only this scan topic");
+  command->add_option("--columns", flags->columns,
+                      "text logs without a header: names of the columns, e.g. angle_deg,range_mm");
   add_config_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);

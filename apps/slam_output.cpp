@@ -20,6 +20,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Names of files may hold bytes that are no UTF-8.
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
 double rounded(double value, double per_unit) {
   return std::round(value * per_unit) / per_unit;
 }
@@ -227,11 +232,11 @@ FileSet slam_output(const std::string& folder, const Slam& slam, const SlamRun& 
   report.warnings = warning_lines(summary, run);
   files.add("report.html", format_slam_report(report));
   if (run.times) {
-    files.add("timing.json", timing_of(run).dump(2) + "\n");
+    files.add("timing.json", text_of(timing_of(run)) + "\n");
   } else {
     files.leave_out("timing.json");
   }
-  files.add("summary.json", summary.dump(2) + "\n");  // put in place last: beside a new summary all is new
+  files.add("summary.json", text_of(summary) + "\n");  // put in place last: beside a new summary all is new
   return files;
 }
 

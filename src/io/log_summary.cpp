@@ -97,7 +97,7 @@ std::vector<std::pair<std::string, std::string>> LogSummary::lines() const {
   if (with_odometry_ == 0) {
     add("odometry", "none");
   } else if (odometry_equals_corrected()) {
-    add("odometry", "equals the log's corrected pose: counts as none");
+    add("odometry", "equals the log's corrected pose in every scan");
   } else {
     add("odometry", fmt::format("with {} scans, path {:.2f} m", with_odometry_, odometry_path_));
   }

@@ -28,7 +28,8 @@ OdometrySource find_odometry_source(const std::string& path, const LogOptions& o
       same += std::hypot(off.x, off.y) < kSameM && std::abs(off.theta) < kSameRad;
     }
     if (scans >= kFirstScans && same < with_both) break;
-    if (scans >= kFirstScans && with_both == 0) break;
+    // Odometry may begin late.
+    if (scans >= kFirstScans && with_both == 0 && with_odometry > 0) break;
   }
   if (with_odometry == 0) return {false, "the log holds no odometry"};
   if (with_both == 0 || same < with_both) return {true, "the log's odometry is used"};
