@@ -4,6 +4,7 @@
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/log_writer.hpp"
+#include "phasescan/io/odometry_source.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -23,10 +24,17 @@ int run_convert(const ConvertFlags& flags) {
   const LogTarget target = target_of(flags);
   const auto reader = open_log(flags.in, flags.options);
   const auto writer = make_log_writer(target, flags.out);
+  const bool odometry = find_odometry_source(flags.in, flags.options).usable;
+  bool left_out = false;
   InterruptGuard guard;
   Progress progress("converted", 0);
   std::size_t scans = 0;
   while (auto entry = reader->next()) {
+    // The copy says no more what the poses of a mapping program are.
+    if (!odometry && entry->odometry && entry->corrected) {
+      entry->odometry.reset();
+      left_out = true;
+    }
     writer->add(*entry);
     progress.step(++scans);
     if (InterruptGuard::interrupted()) break;
@@ -39,6 +47,7 @@ int run_convert(const ConvertFlags& flags) {
   if (InterruptGuard::interrupted()) warn("stopped after " + std::to_string(scans) + " scans; the file holds these");
   const int code = report_damages(*reader, kDone);
   writer->finish();
+  if (left_out) warn(flags.out + ": poses of a mapping program are not written as odometry");
   for (const std::string& loss : writer->losses()) warn(flags.out + ": " + loss);
   return code;
 }

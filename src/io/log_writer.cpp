@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 #include <cmath>
 
 #include "io/log_writers.hpp"
@@ -44,19 +45,21 @@ class JsonLogWriter final : public LogWriter {
  public:
   explicit JsonLogWriter(const std::string& path) : file_(path) {}
   void add(const LogEntry& entry) override {
-    if (!entry.flipped) {
-      file_.write(entry);
-      return;
-    }
-    // A scan log knows no mounting: a laser upside down is written as the upright one that sees the same.
-    LogEntry upright = entry;
-    upright.scan = mirrored_scan(entry.scan);
-    file_.write(upright);
+    // A scan log knows no mounting: odometry is written as the laser's own, and a laser upside down as the upright one
+    // that sees the same.
+    LogEntry alone = entry;
+    if (entry.flipped) alone.scan = mirrored_scan(entry.scan);
+    if (entry.odometry) alone.odometry = *entry.odometry * entry.T_base_laser;
+    if (!first_mount_) first_mount_ = entry.T_base_laser;
+    if (!(entry.T_base_laser == *first_mount_))
+      add_loss("scan logs say no mounting, and these lasers are mounted at different places: write one with --topic");
+    file_.write(alone);
   }
   void finish() override { file_.commit(); }
 
  private:
   ScanLogWriter file_;
+  std::optional<Pose2> first_mount_;
 };
 
 struct Ending {

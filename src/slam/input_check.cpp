@@ -83,7 +83,8 @@ bool InputCheck::add(const Scan& scan, const std::string& laser, const std::opti
         (std::abs(step.theta) > kLeapRad && pause_s < kTurnPauseS)) {
       note("odometry jump", true,
            where + ": odometry jumps by " + std::to_string(std::llround(100.0 * std::hypot(step.x, step.y))) +
-               " cm; it is not followed");
+               " cm and " + std::to_string(std::llround(rad_to_deg(std::abs(step.theta)))) +
+               " deg; it is not followed");
     }
   }
   if (odometry) {

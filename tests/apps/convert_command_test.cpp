@@ -32,6 +32,37 @@ std::vector<test::Message> messages() {
   return out;
 }
 
+TEST(ConvertCommand, PosesOfAMappingProgramDoNotBecomeOdometry) {
+  const TempFolder folder;
+  std::string text = "NEFF 12 1 0 0 host 0\n";
+  for (int k = 0; k < 5; ++k) {
+    const std::string pose = std::to_string(0.1 * k) + " 0 0";
+    text += "FLASER 4 2 2 2 2 " + pose + " " + pose + " " + std::to_string(100 + k) + " host 0\n";
+  }
+  const auto result = run_command({"convert", folder.put("in.log", text), folder / "out.jsonl"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("not written as odometry"));
+  const auto log = open_log(folder / "out.jsonl");
+  for (int k = 0; k < 5; ++k) {
+    const auto entry = log->next();
+    ASSERT_TRUE(entry);
+    EXPECT_FALSE(entry->odometry);
+  }
+}
+
+TEST(ConvertCommand, AScanLogHoldsTheOdometryOfTheLaser) {
+  const TempFolder folder;
+  const auto result = run_command(
+      {"convert",
+       folder.put("in.log", "PARAM robot_frontlaser_offset 0.3 host 0\nFLASER 4 2 2 2 2 0 0 0 1 2 0 100 host 0\n"),
+       folder / "out.jsonl"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  const auto entry = open_log(folder / "out.jsonl")->next();
+  ASSERT_TRUE(entry && entry->odometry);
+  EXPECT_NEAR(entry->odometry->x, 1.3, 1e-9);
+  EXPECT_NEAR(entry->odometry->y, 2.0, 1e-9);
+}
+
 TEST(ConvertCommand, EveryLogFormatReadsBackAsTheSameScans) {
   const TempFolder folder;
   test::write_bytes(folder / "in", test::mcap(messages()));

@@ -107,6 +107,36 @@ TEST(SlamOddLogs, OdometryThatJumpsIsDamageAndNotFollowed) {
   EXPECT_LT(ate_rmse(folder, log.truth), 0.03);
 }
 
+TEST(SlamOddLogs, OdometryThatBeginsLateIsUsed) {
+  const TempFolder folder;
+  const auto converted = run_command({"convert", folder.put("in.log", toy_log(150).flaser), folder / "all.jsonl"});
+  ASSERT_EQ(converted.code, 0) << converted.err;
+  std::string text;
+  std::size_t number = 0;
+  for (const std::string& line : lines_of(slurp(folder / "all.jsonl"))) {
+    json scan = json::parse(line);
+    if (number++ < 80) scan.erase("odometry");
+    text += scan.dump() + "\n";
+  }
+  const json summary = slam_summary(folder, text, 150, 0, {});
+  EXPECT_TRUE(summary["odometry"]["used"]) << summary["odometry"];
+  EXPECT_EQ(summary["odometry"]["steps"], 69);
+}
+
+TEST(SlamOddLogs, WheelsThatAreSwitchedOffAreNotSaidToBeUsed) {
+  const TempFolder folder;
+  const json summary = slam_summary(folder, toy_log(60).flaser, 60, 0,
+                                    {"--config", folder.put("c.yaml", "odometry:\n  use_wheels: false\n")});
+  EXPECT_FALSE(summary["odometry"]["used"]) << summary["odometry"];
+}
+
+TEST(SlamOddLogs, ANameThatIsNoUtf8IsNoReasonToFail) {
+  const TempFolder folder;
+  const auto run = run_command({"slam", folder.put("a\xff.log", toy_log(60).flaser), "--out", folder / "out"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(json::parse(slurp(folder / "out/summary.json"))["scans"], 60);
+}
+
 TEST(SlamOddLogs, CtrlCWritesWhatIsDone) {
   const TempFolder folder;
   const auto log = toy_log(150);
