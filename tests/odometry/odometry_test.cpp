@@ -192,21 +192,24 @@ TEST(Odometry, TwoLasersThatShareNoViewAreNotTurnedAbout) {
 }
 
 TEST(MapPoints, HitsThatScatterAlongTheirBeamsAreNoWall) {
-  Random random(1);
-  Scan scan = toy_scan({{{0.0, 0.0}, {0.0, 0.0}}}, {}, {.beams = 682, .range_max = 4.0, .field = 4.19}, random, 0);
-  const auto side = static_cast<std::size_t>(scan.size() * 7 / 8);  // to the left of the sensor
-  const float off[] = {0.02F, -0.015F, 0.01F, -0.02F, 0.015F};
-  for (std::size_t k = 0; k < std::size(off); ++k) {
-    scan.ranges[side + k] = 0.6F + off[k];
-    scan.states[side + k] = BeamState::kHit;
+  // Up and down, and by chance one after the other.
+  for (const std::vector<float>& off :
+       {std::vector<float>{0.02F, -0.015F, 0.01F, -0.02F, 0.015F}, std::vector<float>{0.02F, 0.0F, -0.02F}}) {
+    Random random(1);
+    Scan scan = toy_scan({{{0.0, 0.0}, {0.0, 0.0}}}, {}, {.beams = 682, .range_max = 4.0, .field = 4.19}, random, 0);
+    const auto side = static_cast<std::size_t>(scan.size() * 7 / 8);  // to the left of the sensor
+    for (std::size_t k = 0; k < off.size(); ++k) {
+      scan.ranges[side + k] = 0.6F + off[k];
+      scan.states[side + k] = BeamState::kHit;
+    }
+    SurfaceWorkspace work;
+    SurfacePoints surface;
+    find_surface(scan, {}, work, surface, kTrackingLines);
+    MapPoints points;
+    to_map_points(surface, {}, 10.0, points);
+    ASSERT_EQ(points.size(), off.size());
+    for (std::size_t k = 0; k < points.size(); ++k) EXPECT_TRUE(points.lone(k)) << off.size() << " " << k;
   }
-  SurfaceWorkspace work;
-  SurfacePoints surface;
-  find_surface(scan, {}, work, surface, kTrackingLines);
-  MapPoints points;
-  to_map_points(surface, {}, 10.0, points);
-  ASSERT_EQ(points.size(), std::size(off));
-  for (std::size_t k = 0; k < points.size(); ++k) EXPECT_TRUE(points.lone(k)) << k;
 }
 
 TEST(Odometry, RefusesOptionsOutOfBounds) {
