@@ -69,6 +69,7 @@ Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& 
             {"places", loops.places},
             {"found", loops.found},
             {"accepted", loops.accepted},
+            {"in_graph", loops.in_graph},
             {"rejected", loops.undone + loops.outvoted},
             {"rejected_undone", loops.undone},
             {"rejected_outvoted", loops.outvoted}}},

@@ -156,6 +156,7 @@ void Backend::finish() {
   if (keyframes_.size() < 2) return;
   optimize(30);
   if (!options_.loops.enabled) return;
+  counts_before_rematch_ = loop_counts();
   // With the map in place every keyframe meets its neighbours of all times, the later ones too; what was matched while
   // the map was still bent is matched anew.
   for (int round = 0; round < kFinalRounds; ++round) rematch_all();
@@ -163,10 +164,13 @@ void Backend::finish() {
 
 LoopCounts Backend::loop_counts() const {
   LoopCounts counts = counts_;
-  counts.outvoted = judge_.dropped();
+  counts.outvoted += judge_.dropped();
   for (const PoseEdge& edge : graph_.edges()) {
     if (edge.robust) ++(edge.enabled ? counts.accepted : counts.undone);
   }
+  const std::size_t in_graph = counts.accepted;
+  if (counts_before_rematch_) counts = *counts_before_rematch_;
+  counts.in_graph = in_graph;
   return counts;
 }
 

@@ -165,7 +165,10 @@ int Backend::piece_of(int node) const {
 std::vector<Loop> Backend::judged(LoopJudge& judge, const Loop& loop) {
   const bool tied = piece_of(loop.from) == piece_of(loop.to);
   // Where a piece stands that nothing ties is a guess: a loop that agrees with it is worth no more than another.
-  if (!tied && loop.overlap < std::min(kMostAsked, options_.loops.min_overlap + kUntiedOverlap)) return {};
+  if (!tied && loop.overlap < std::min(kMostAsked, options_.loops.min_overlap + kUntiedOverlap)) {
+    ++counts_.outvoted;
+    return {};
+  }
   std::vector<Loop> believed = judge.add(loop, graph_.poses(), tied ? 0.0 : -options_.loops.small_error_m);
   // Those that waited may tie other pieces than this one.
   for (const Loop& l : believed) {

@@ -53,6 +53,9 @@ TEST(SlamCommand, AWholeRunLeavesEveryFileAndAnAccurateTrajectory) {
   EXPECT_TRUE(summary["complete"]);
   EXPECT_TRUE(summary["warnings"].empty());
   EXPECT_TRUE(summary["loops"].contains("places"));
+  const auto& loops = summary["loops"];
+  EXPECT_GT(loops["found"], 0);
+  EXPECT_EQ(loops["found"].get<int>(), loops["accepted"].get<int>() + loops["rejected"].get<int>()) << loops;
   const json timing = json::parse(slurp(folder / "out/timing.json"));
   EXPECT_GT(timing["peak_memory_mib"], 1.0);
   EXPECT_GT(timing["tracking_cpu_ms"]["mean"], 0.0);

@@ -23,9 +23,12 @@ struct LoopCounts {
   std::size_t compared = 0;  ///< pairs of visits that were matched
   std::size_t places = 0;    ///< found by what they look like, before they were compared
   std::size_t found = 0;     ///< matches good enough to be a loop
-  std::size_t accepted = 0;  ///< in the graph at the end
+  std::size_t accepted = 0;  ///< believed, and not undone since
   std::size_t undone = 0;    ///< once accepted, taken out again because the graph contradicts them
   std::size_t outvoted = 0;  ///< never found company
+  /// Loops of the graph now: at the end all keyframes meet their neighbours again, which is in none of the counts
+  /// above.
+  std::size_t in_graph = 0;
 };
 
 /// Owns keyframes, loops and the graph. While `add_batch` runs nobody else may touch it; its state depends on the
@@ -132,6 +135,7 @@ class Backend {
   double way_of_place_m_ = 0.0;  // way_m_ where a place looked as the map has it
   std::vector<double> way_m_;    // of each node: driven since the start, breaks of tracking counted as a long way
   LoopCounts counts_;
+  std::optional<LoopCounts> counts_before_rematch_;
   std::vector<std::pair<int, std::unique_ptr<LocalMap>>> map_cache_;
   std::size_t next_cached_ = 0;
   LocalMap surroundings_;  // bounded memory: of the node that scans stand at now
