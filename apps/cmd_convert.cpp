@@ -61,9 +61,7 @@ void add_convert_command(CLI::App& app, CommandBody& body) {
       ->check(not_empty());
   command->add_option("--to", flags->to, "the format, whatever OUT is called")
       ->check(CLI::IsMember(log_target_names()));
-  command->add_option("--topic", flags->options.topic, "ROS logs: only this scan topic");
-  command->add_option("--columns", flags->options.columns,
-                      "text logs without a header: names of the columns, e.g. angle_deg,range_mm");
+  add_log_flags(*command, flags->options);
   command->callback([flags, &body] { body = [flags] { return run_convert(*flags); }; });
 }
 

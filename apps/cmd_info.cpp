@@ -41,9 +41,8 @@ int run_info(const InfoFlags& flags) {
   print_line("format", reader->format());
   for (const auto& [name, value] : reader->facts()) print_line(name, value);
   for (const auto& [name, value] : summary.lines()) print_line(name, value);
-  // Whether slam listens to it is decided in one place.
   if (summary.odometry_equals_corrected())
-    print_line("odometry, for slam", find_odometry_source(flags.log, flags.options).assumed);
+    print_line("odometry, for slam", source_of_same_poses(reader->facts()).assumed);
   std::map<std::string, std::size_t> damages;
   for (const LogDamage& damage : reader->damages()) ++damages[damage.kind];
   print_line("damaged places", std::to_string(reader->damage_count()));
@@ -61,9 +60,7 @@ void add_info_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("info", "what a log holds and what is wrong with it");
   auto flags = std::make_shared<InfoFlags>();
   command->add_option("LOG", flags->log, "a log of any readable format")->required();
-  command->add_option("--topic", flags->options.topic, "ROS logs: only this scan topic");
-  command->add_option("--columns", flags->options.columns,
-                      "text logs without a header: names of the columns, e.g. angle_deg,range_mm");
+  add_log_flags(*command, flags->options);
   command->add_flag("--no-doctor", flags->no_doctor, "only what the log holds: no look for what is wrong with it");
   command->callback([flags, &body] { body = [flags] { return run_info(*flags); }; });
 }

@@ -18,7 +18,8 @@ namespace {
 
 struct SlamFlags {
   CommonFlags common;
-  std::string log, out, topic, columns, odometry = "auto", mcap;
+  std::string log, out, odometry = "auto", mcap;
+  LogOptions options;
   double range_max = 0.0;
   int beam_step = 1;
 };
@@ -53,6 +54,7 @@ void feed(LogReader& reader, Slam& slam, InputCheck& check, const SlamFlags& fla
     if (!entry) return;
     const LaserMount mount{entry->T_base_laser, entry->flipped};
     if (slam.records().empty()) run.mount = mount;
+    run.with_odometry += entry->odometry.has_value();
     if (flags.range_max > 0.0 || flags.beam_step > 1)
       entry->scan = reduce_scan(entry->scan, flags.range_max, flags.beam_step);
     const bool fresh =
@@ -88,15 +90,12 @@ int run_slam(const SlamFlags& flags) {
   run.log = flags.log;
   run.times = !flags.common.no_times;
   run.glass_blocks = config.slam.glass.block;
-  LogOptions log_options;
-  log_options.topic = flags.topic;
-  log_options.columns = flags.columns;
-  const std::unique_ptr<LogReader> reader = open_log(flags.log, log_options);
+  const std::unique_ptr<LogReader> reader = open_log(flags.log, flags.options);
   run.format = reader->format();
   if (flags.odometry == "none") {
     run.odometry_assumed = "not used, as asked for";
   } else {
-    const OdometrySource source = find_odometry_source(flags.log, log_options);
+    const OdometrySource source = find_odometry_source(flags.log, flags.options);
     run.odometry_used = source.usable && config.slam.odometry.use_wheels;
     run.odometry_assumed =
         source.usable && !run.odometry_used ? "not used: odometry.use_wheels is false" : source.assumed;
@@ -109,6 +108,11 @@ int run_slam(const SlamFlags& flags) {
   run.check = &check;
   const InterruptGuard guard;  // until the results are in place: what was finished is not lost
   feed(*reader, slam, check, flags, run);
+  // It may begin late: only the end of the log tells.
+  if (run.with_odometry == 0 && flags.odometry != "none") {
+    run.odometry_used = false;
+    run.odometry_assumed = "the log holds no odometry";
+  }
   if (slam.records().empty()) {
     if (InterruptGuard::interrupted()) return stopped_with_nothing();
     if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
@@ -125,7 +129,7 @@ int run_slam(const SlamFlags& flags) {
   if (reader->damage_count() > reader->damages().size())
     run.damages["further damage"] = reader->damage_count() - reader->damages().size();
   FileSet files = slam_output(flags.out, slam, run);
-  if (mcap) write_slam_mcap(*mcap, flags.log, log_options, slam, run.glass_blocks);
+  if (mcap) write_slam_mcap(*mcap, flags.log, flags.options, slam, run.glass_blocks);
   files.commit();
   for (const auto& [kind, oddity] : check.oddities()) {
     warn(oddity.first + (oddity.count > 1 ? " (" + std::to_string(oddity.count) + " times: " + kind + ")" : ""));
@@ -158,9 +162,7 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
       ->type_name("K");
   command->add_option("--mcap", flags->mcap, "write scans, frames, path and map for Foxglove or Lichtblick")
       ->check(not_empty());
-  command->add_option("--topic", flags->topic, "ROS: only this scan topic");
-  command->add_option("--columns", flags->columns,
-                      "text logs without a header: names of the columns, e.g. angle_deg,range_mm");
+  add_log_flags(*command, flags->options);
   add_config_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);

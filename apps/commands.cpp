@@ -57,6 +57,12 @@ void add_config_flag(CLI::App& command, CommonFlags& flags) {
       ->check(not_empty());
 }
 
+void add_log_flags(CLI::App& command, LogOptions& options) {
+  command.add_option("--topic", options.topic, "ROS logs: only this scan topic");
+  command.add_option("--columns", options.columns,
+                     "text logs without a header: names of the columns, e.g. angle_deg,range_mm");
+}
+
 void add_method_flags(CLI::App& command, CommonFlags& flags) {
   command.add_option("--method", flags.method, "icp, ndt, fft, fft-icp1, fft-icp2 or fft-mh")
       ->type_name("NAME")

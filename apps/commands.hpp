@@ -52,6 +52,8 @@ void add_method_flags(CLI::App& command, CommonFlags& flags);
 void add_threads_flag(CLI::App& command, CommonFlags& flags, int default_threads = 1);
 void add_seed_flag(CLI::App& command, CommonFlags& flags);
 void add_no_times_flag(CLI::App& command, CommonFlags& flags);
+/// --topic and --columns.
+void add_log_flags(CLI::App& command, LogOptions& options);
 
 /// Checks of a flag's text, before it is read as a number: what CLI11 would wrap, cut off or let pass (-1 and 2^64 as
 /// unsigned numbers, NaN as positive) is refused in one short line.

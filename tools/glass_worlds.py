@@ -8,6 +8,8 @@ import json
 import math
 import random
 
+import tum
+
 
 def make_world(seed, kind):
     """(YAML text, [(kind, from, to)] of the hidden surfaces, [(from, to)] of the open doors)"""
@@ -69,11 +71,7 @@ def make_world(seed, kind):
 
 
 def poses(path):
-    out = []
-    for line in open(path):
-        v = [float(x) for x in line.split()]
-        out.append((v[1], v[2], 2 * math.atan2(v[6], v[7])))
-    return out
+    return [pose for _, pose in tum.read_tum(path)]
 
 
 def alignment(estimate, truth):

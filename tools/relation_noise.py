@@ -7,6 +7,8 @@ import json
 import math
 import subprocess
 
+import tum
+
 CLASSES = ((0.0, 10.0), (10.0, 60.0), (60.0, 181.0))  # turn of the relation [deg]: from, up to
 MISMATCH = 0.3  # [m] a match farther than this from the trajectory found another place: no judge of the relation
 
@@ -36,15 +38,6 @@ def read_scans(log):
     return scans
 
 
-def read_trajectory(path):
-    """Poses of a TUM file by their time in milliseconds."""
-    poses = {}
-    for line in open(path):
-        t, x, y, _, _, _, qz, qw = map(float, line.split())
-        poses[round(1000 * t)] = (x, y, 2 * math.atan2(qz, qw))
-    return poses
-
-
 def covariance(a, b):
     """Sum over x and y of the covariances of two lists of errors [m^2]."""
     total = 0.0
@@ -60,7 +53,7 @@ def mean(errors):
 
 def judge(command, log, relations, trajectory, mount, folder):
     """A row per class of turn. `mount`: x of the laser in the frame of the trajectory [m]."""
-    scans, poses = read_scans(log), read_trajectory(trajectory)
+    scans, poses = read_scans(log), {round(1000 * t): pose for t, pose in tum.read_tum(trajectory)}
     cases = []
     for line in open(relations):
         words = [float(w) for w in line.split()]
