@@ -11,9 +11,9 @@
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/sim/drive.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
-#include "phasescan/sim/world_file.hpp"
+#include "sim/drive.hpp"
+#include "sim/pairs_spec.hpp"
+#include "sim/world_file.hpp"
 #include "phasescan/slam/slam.hpp"
 
 namespace phasescan::app {

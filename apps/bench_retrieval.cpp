@@ -6,13 +6,13 @@
 
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
-#include "phasescan/eval/place_fit.hpp"
-#include "phasescan/io/file.hpp"
+#include "eval/place_fit.hpp"
+#include "io/file.hpp"
 #include "phasescan/match/scan_matcher.hpp"
-#include "phasescan/scan/points.hpp"
-#include "phasescan/sim/places.hpp"
-#include "phasescan/slam/place_check.hpp"
-#include "phasescan/slam/place_index.hpp"
+#include "scan/points.hpp"
+#include "sim/places.hpp"
+#include "slam/place_check.hpp"
+#include "slam/place_index.hpp"
 
 namespace phasescan::app {
 namespace {

@@ -1,7 +1,7 @@
 // phasescan bench scaling: how the time of a match grows with beams and with the size of the place.
 #include "commands.hpp"
-#include "phasescan/eval/scaling.hpp"
-#include "phasescan/io/file.hpp"
+#include "eval/scaling.hpp"
+#include "io/file.hpp"
 
 namespace phasescan::app {
 namespace {

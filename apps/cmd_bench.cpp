@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "commands.hpp"
-#include "phasescan/eval/bench_report.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
+#include "eval/bench_report.hpp"
+#include "io/file.hpp"
+#include "sim/pairs_spec.hpp"
 
 namespace phasescan::app {
 namespace {

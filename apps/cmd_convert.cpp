@@ -4,7 +4,7 @@
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/log_writer.hpp"
-#include "phasescan/io/odometry_source.hpp"
+#include "io/odometry_source.hpp"
 
 namespace phasescan::app {
 namespace {

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "commands.hpp"
-#include "phasescan/eval/closure.hpp"
-#include "phasescan/eval/relations.hpp"
-#include "phasescan/eval/trajectory_error.hpp"
+#include "eval/closure.hpp"
+#include "eval/relations.hpp"
+#include "eval/trajectory_error.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/tum.hpp"
+#include "io/tum.hpp"
 
 namespace phasescan::app {
 namespace {

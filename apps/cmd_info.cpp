@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "commands.hpp"
-#include "phasescan/eval/log_doctor.hpp"
+#include "eval/log_doctor.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/log_summary.hpp"
-#include "phasescan/io/odometry_source.hpp"
+#include "io/log_summary.hpp"
+#include "io/odometry_source.hpp"
 
 namespace phasescan::app {
 namespace {

@@ -7,13 +7,13 @@
 
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/match_json.hpp"
-#include "phasescan/io/number.hpp"
-#include "phasescan/io/pairs.hpp"
-#include "phasescan/io/scan_json.hpp"
+#include "io/file.hpp"
+#include "io/match_json.hpp"
+#include "io/number.hpp"
+#include "io/pairs.hpp"
+#include "io/scan_json.hpp"
 #include "phasescan/match/scan_matcher.hpp"
-#include "phasescan/report/scan_plot.hpp"
+#include "report/scan_plot.hpp"
 
 namespace phasescan::app {
 namespace {

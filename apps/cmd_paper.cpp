@@ -1,7 +1,7 @@
 // phasescan paper: every table and figure of the paper in one run.
 #include "commands.hpp"
-#include "phasescan/eval/paper.hpp"
-#include "phasescan/io/file.hpp"
+#include "eval/paper.hpp"
+#include "io/file.hpp"
 
 namespace phasescan::app {
 namespace {

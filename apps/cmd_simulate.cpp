@@ -5,13 +5,13 @@
 
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/pairs.hpp"
-#include "phasescan/io/scan_log.hpp"
-#include "phasescan/io/tum.hpp"
-#include "phasescan/sim/drive.hpp"
-#include "phasescan/sim/pairs.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
-#include "phasescan/sim/world_file.hpp"
+#include "io/pairs.hpp"
+#include "io/scan_log.hpp"
+#include "io/tum.hpp"
+#include "sim/drive.hpp"
+#include "sim/pairs.hpp"
+#include "sim/pairs_spec.hpp"
+#include "sim/world_file.hpp"
 
 namespace phasescan::app {
 namespace {

@@ -8,8 +8,8 @@
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/odometry_source.hpp"
+#include "io/file.hpp"
+#include "io/odometry_source.hpp"
 #include "slam_mcap.hpp"
 #include "slam_output.hpp"
 

@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/number.hpp"
+#include "io/file.hpp"
+#include "io/number.hpp"
 
 namespace phasescan::app {
 namespace {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "phasescan/io/config.hpp"
+#include "io/config.hpp"
 #include "phasescan/io/log.hpp"
 
 namespace phasescan::app {

@@ -8,7 +8,7 @@
 
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 
 namespace phasescan::app {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "phasescan/io/log.hpp"
-#include "phasescan/io/mcap_writer.hpp"
+#include "io/mcap_writer.hpp"
 #include "phasescan/slam/slam.hpp"
 
 namespace phasescan::app {

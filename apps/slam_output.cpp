@@ -8,12 +8,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/g2o.hpp"
-#include "phasescan/io/map_file.hpp"
-#include "phasescan/io/tum.hpp"
+#include "io/file.hpp"
+#include "io/g2o.hpp"
+#include "io/map_file.hpp"
+#include "io/tum.hpp"
 #include "phasescan/map/trinary_map.hpp"
-#include "phasescan/report/slam_report.hpp"
+#include "report/slam_report.hpp"
 
 namespace phasescan::app {
 namespace {

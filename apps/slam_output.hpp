@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "phasescan/io/file.hpp"
-#include "phasescan/map/glass.hpp"
+#include "io/file.hpp"
+#include "map/glass.hpp"
 #include "phasescan/map/trinary_map.hpp"
-#include "phasescan/slam/input_check.hpp"
+#include "slam/input_check.hpp"
 #include "phasescan/slam/slam.hpp"
 
 namespace phasescan::app {

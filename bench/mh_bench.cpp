@@ -1,9 +1,9 @@
 // fft-mh by stage and as a whole, on simulated RPLidar A1 pairs.
 #include <benchmark/benchmark.h>
 
-#include "phasescan/match/multi_hypothesis.hpp"
+#include "match/multi_hypothesis.hpp"
 #include "phasescan/match/scan_matcher.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
+#include "sim/pairs_spec.hpp"
 
 namespace phasescan {
 namespace {

@@ -2,7 +2,7 @@
 #include <benchmark/benchmark.h>
 
 #include "phasescan/odometry/odometry.hpp"
-#include "phasescan/slam/place_index.hpp"
+#include "slam/place_index.hpp"
 #include "support/toy_world.hpp"
 
 namespace {

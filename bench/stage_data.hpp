@@ -1,7 +1,7 @@
 /// Input for the stage benchmarks: two scans of the same room.
 #pragma once
 
-#include "phasescan/image/rasterize.hpp"
+#include "image/rasterize.hpp"
 #include "support/rooms.hpp"
 
 namespace phasescan::bench {

@@ -2,7 +2,7 @@
 #include <stdexcept>
 
 #include "fuzz_file.hpp"
-#include "phasescan/io/config.hpp"
+#include "io/config.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const phasescan::fuzz::MemoryFile file(data, size);

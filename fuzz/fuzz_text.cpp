@@ -1,8 +1,8 @@
 // The other text files: relations, trajectories, pairs.
 #include "fuzz_file.hpp"
-#include "phasescan/eval/relations.hpp"
-#include "phasescan/io/pairs.hpp"
-#include "phasescan/io/tum.hpp"
+#include "eval/relations.hpp"
+#include "io/pairs.hpp"
+#include "io/tum.hpp"
 
 namespace {
 

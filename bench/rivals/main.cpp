@@ -10,12 +10,12 @@
 #include <iterator>
 
 #include "contender.hpp"
-#include "phasescan/eval/bench.hpp"
+#include "eval/bench.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/pairs.hpp"
-#include "phasescan/sim/pairs.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
+#include "io/file.hpp"
+#include "io/pairs.hpp"
+#include "sim/pairs.hpp"
+#include "sim/pairs_spec.hpp"
 #include "report.hpp"
 #include "run.hpp"
 

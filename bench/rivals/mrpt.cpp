@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "contender.hpp"
-#include "phasescan/scan/points.hpp"
+#include "scan/points.hpp"
 
 namespace phasescan::rivals {
 namespace {

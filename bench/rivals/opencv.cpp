@@ -10,9 +10,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "contender.hpp"
-#include "phasescan/eval/statistics.hpp"
-#include "phasescan/refine/icp.hpp"
-#include "phasescan/scan/points.hpp"
+#include "eval/statistics.hpp"
+#include "refine/icp.hpp"
+#include "scan/points.hpp"
 
 namespace phasescan::rivals {
 namespace {

@@ -13,7 +13,7 @@
 #include <memory>
 
 #include "contender.hpp"
-#include "phasescan/scan/points.hpp"
+#include "scan/points.hpp"
 
 namespace phasescan::rivals {
 namespace {

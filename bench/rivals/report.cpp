@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "phasescan/eval/pair_rows.hpp"
-#include "phasescan/report/table.hpp"
+#include "eval/pair_rows.hpp"
+#include "report/table.hpp"
 
 namespace phasescan::rivals {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "contender.hpp"
-#include "phasescan/eval/pair_outcome.hpp"
+#include "eval/pair_outcome.hpp"
 
 namespace phasescan::rivals {
 

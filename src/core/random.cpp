@@ -1,4 +1,4 @@
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 
 #include <bit>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "phasescan/eval/bench.hpp"
+#include "eval/bench.hpp"
 
 #include <algorithm>
 #include <exception>
@@ -6,12 +6,12 @@
 #include <stdexcept>
 #include <thread>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 #include "phasescan/core/time.hpp"
-#include "phasescan/eval/pair_information.hpp"
-#include "phasescan/eval/statistics.hpp"
+#include "eval/pair_information.hpp"
+#include "eval/statistics.hpp"
 #include "phasescan/match/scan_matcher.hpp"
-#include "phasescan/spectrum/fft.hpp"
+#include "spectrum/fft.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "phasescan/eval/bench_report.hpp"
-#include "phasescan/match/confidence.hpp"
+#include "eval/bench_report.hpp"
+#include "match/confidence.hpp"
 
 namespace phasescan {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "phasescan/eval/bench_report.hpp"
+#include "eval/bench_report.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,6 +1,6 @@
 #include <nlohmann/json.hpp>
 
-#include "phasescan/eval/bench_report.hpp"
+#include "eval/bench_report.hpp"
 
 namespace phasescan {
 namespace {

@@ -4,7 +4,7 @@
 #include <set>
 #include <thread>
 
-#include "phasescan/eval/bench.hpp"
+#include "eval/bench.hpp"
 #include "phasescan/io/error.hpp"
 
 namespace phasescan {

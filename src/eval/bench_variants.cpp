@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "phasescan/eval/bench.hpp"
-#include "phasescan/io/option_table.hpp"
+#include "eval/bench.hpp"
+#include "io/option_table.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,4 +1,4 @@
-#include "phasescan/eval/closure.hpp"
+#include "eval/closure.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "phasescan/eval/log_doctor.hpp"
+#include "eval/log_doctor.hpp"
 
 #include <fmt/format.h>
 

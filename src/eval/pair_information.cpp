@@ -1,12 +1,12 @@
-#include "phasescan/eval/pair_information.hpp"
+#include "eval/pair_information.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
-#include "phasescan/odometry/information.hpp"
-#include "phasescan/scan/surface.hpp"
+#include "odometry/information.hpp"
+#include "scan/surface.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,11 +1,11 @@
-#include "phasescan/eval/pair_outcome.hpp"
+#include "eval/pair_outcome.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/scan/points.hpp"
+#include "scan/points.hpp"
 
 namespace phasescan {
 namespace {

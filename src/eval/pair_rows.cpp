@@ -1,4 +1,4 @@
-#include "phasescan/eval/pair_rows.hpp"
+#include "eval/pair_rows.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "phasescan/eval/paper.hpp"
+#include "eval/paper.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 
 #include "eval/paper_kit.hpp"
 #include "phasescan/core/angle.hpp"
-#include "phasescan/io/config.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
+#include "io/config.hpp"
+#include "sim/pairs_spec.hpp"
 #include "sim/embedded.hpp"
 
 namespace phasescan {

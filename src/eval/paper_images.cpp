@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "eval/paper_kit.hpp"
-#include "phasescan/image/rasterize.hpp"
-#include "phasescan/report/chart.hpp"
-#include "phasescan/scan/missing.hpp"
+#include "image/rasterize.hpp"
+#include "report/chart.hpp"
+#include "scan/missing.hpp"
 
 namespace phasescan {
 namespace {

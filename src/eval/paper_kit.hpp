@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "phasescan/eval/bench.hpp"
-#include "phasescan/eval/paper.hpp"
-#include "phasescan/eval/statistics.hpp"
-#include "phasescan/report/chart.hpp"
-#include "phasescan/report/html.hpp"
-#include "phasescan/scan/missing.hpp"
+#include "eval/bench.hpp"
+#include "eval/paper.hpp"
+#include "eval/statistics.hpp"
+#include "report/chart.hpp"
+#include "report/html.hpp"
+#include "scan/missing.hpp"
 
 namespace phasescan {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/paper_kit.hpp"
-#include "phasescan/rotation/from_missing.hpp"
+#include "rotation/from_missing.hpp"
 
 namespace phasescan {
 

@@ -7,7 +7,7 @@
 #include "eval/paper_kit.hpp"
 #include "match/image_stages.hpp"
 #include "phasescan/match/scan_matcher.hpp"
-#include "phasescan/report/scan_plot.hpp"
+#include "report/scan_plot.hpp"
 
 namespace phasescan {
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/paper_tables.hpp"
-#include "phasescan/eval/bench_report.hpp"
+#include "eval/bench_report.hpp"
 
 namespace phasescan {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "phasescan/eval/bench_report.hpp"
+#include "eval/bench_report.hpp"
 
 namespace phasescan {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "eval/paper_kit.hpp"
-#include "phasescan/eval/pair_outcome.hpp"
-#include "phasescan/report/table.hpp"
+#include "eval/pair_outcome.hpp"
+#include "report/table.hpp"
 
 namespace phasescan {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "phasescan/match/scan_matcher.hpp"
-#include "phasescan/sim/drive.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
+#include "sim/drive.hpp"
+#include "sim/pairs_spec.hpp"
 
 namespace phasescan {
 

@@ -1,4 +1,4 @@
-#include "phasescan/eval/place_fit.hpp"
+#include "eval/place_fit.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include <complex>
 #include <stdexcept>
 
-#include "phasescan/scan/points.hpp"
-#include "phasescan/sim/places.hpp"
+#include "scan/points.hpp"
+#include "sim/places.hpp"
 #include "slam/place_projection.hpp"
 
 namespace phasescan {

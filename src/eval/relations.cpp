@@ -1,4 +1,4 @@
-#include "phasescan/eval/relations.hpp"
+#include "eval/relations.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 
 namespace phasescan {
 

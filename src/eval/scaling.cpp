@@ -1,4 +1,4 @@
-#include "phasescan/eval/scaling.hpp"
+#include "eval/scaling.hpp"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
-#include "phasescan/eval/pair_rows.hpp"
-#include "phasescan/report/chart.hpp"
-#include "phasescan/report/table.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
+#include "eval/pair_rows.hpp"
+#include "report/chart.hpp"
+#include "report/table.hpp"
+#include "sim/pairs_spec.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,4 +1,4 @@
-#include "phasescan/eval/statistics.hpp"
+#include "eval/statistics.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "phasescan/eval/trajectory_error.hpp"
+#include "eval/trajectory_error.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "phasescan/graph/pose_graph.hpp"
+#include "graph/pose_graph.hpp"
 
 #include <ceres/ceres.h>
 

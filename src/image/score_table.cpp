@@ -1,9 +1,9 @@
-#include "phasescan/image/score_table.hpp"
+#include "image/score_table.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/core/fast_math.hpp"
+#include "core/fast_math.hpp"
 
 namespace phasescan {
 namespace {

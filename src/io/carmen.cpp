@@ -11,8 +11,8 @@
 #include "io/carmen_words.hpp"
 #include "io/log_format.hpp"
 #include "io/text_log.hpp"
-#include "phasescan/io/number.hpp"
-#include "phasescan/io/scan_json.hpp"
+#include "io/number.hpp"
+#include "io/scan_json.hpp"
 
 namespace phasescan {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "phasescan/core/pose2.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/number.hpp"
-#include "phasescan/io/scan_json.hpp"
+#include "io/file.hpp"
+#include "io/number.hpp"
+#include "io/scan_json.hpp"
 
 namespace phasescan {
 

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "io/log_writers.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/number.hpp"
+#include "io/file.hpp"
+#include "io/number.hpp"
 
 namespace phasescan {
 namespace {

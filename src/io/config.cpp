@@ -1,4 +1,4 @@
-#include "phasescan/io/config.hpp"
+#include "io/config.hpp"
 
 namespace phasescan {
 

@@ -4,7 +4,7 @@
 
 #include "io/decompress.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 
 namespace phasescan {
 namespace {

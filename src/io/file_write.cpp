@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,6 +1,6 @@
-#include "phasescan/io/g2o.hpp"
+#include "io/g2o.hpp"
 
-#include "phasescan/io/number.hpp"
+#include "io/number.hpp"
 
 namespace phasescan {
 

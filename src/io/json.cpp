@@ -7,9 +7,9 @@
 #include <optional>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/number.hpp"
-#include "phasescan/io/scan_json.hpp"
+#include "io/file.hpp"
+#include "io/number.hpp"
+#include "io/scan_json.hpp"
 
 namespace phasescan::json {
 namespace {

@@ -5,7 +5,7 @@
 #include "io/csv_log.hpp"
 #include "io/log_format.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 
 namespace phasescan {
 namespace {

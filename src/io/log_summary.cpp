@@ -1,4 +1,4 @@
-#include "phasescan/io/log_summary.hpp"
+#include "io/log_summary.hpp"
 
 #include <fmt/format.h>
 

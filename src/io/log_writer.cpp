@@ -7,8 +7,8 @@
 
 #include "io/log_writers.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/mcap_writer.hpp"
-#include "phasescan/io/scan_log.hpp"
+#include "io/mcap_writer.hpp"
+#include "io/scan_log.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,4 +1,4 @@
-#include "phasescan/io/map_file.hpp"
+#include "io/map_file.hpp"
 
 #include <fmt/format.h>
 #include <png.h>
@@ -10,7 +10,7 @@
 #include <filesystem>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 
 namespace phasescan {
 namespace {

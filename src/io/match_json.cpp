@@ -1,9 +1,9 @@
-#include "phasescan/io/match_json.hpp"
+#include "io/match_json.hpp"
 
 #include <cmath>
 
 #include "io/json.hpp"
-#include "phasescan/io/number.hpp"
+#include "io/number.hpp"
 
 namespace phasescan {
 namespace {

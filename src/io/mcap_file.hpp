@@ -9,7 +9,7 @@
 
 #include "io/bytes.hpp"
 #include "phasescan/core/time.hpp"
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 
 namespace phasescan {
 

@@ -1,4 +1,4 @@
-#include "phasescan/io/mcap_writer.hpp"
+#include "io/mcap_writer.hpp"
 
 #include "io/mcap_file.hpp"
 #include "io/ros_encode.hpp"

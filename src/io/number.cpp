@@ -1,4 +1,4 @@
-#include "phasescan/io/number.hpp"
+#include "io/number.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "phasescan/io/odometry_source.hpp"
+#include "io/odometry_source.hpp"
 
 #include <cmath>
 namespace phasescan {

@@ -1,4 +1,4 @@
-#include "phasescan/io/option_table.hpp"
+#include "io/option_table.hpp"
 
 #include <yaml-cpp/yaml.h>
 
@@ -6,8 +6,8 @@
 #include <map>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/number.hpp"
+#include "io/file.hpp"
+#include "io/number.hpp"
 
 namespace phasescan {
 namespace detail {

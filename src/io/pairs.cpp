@@ -1,10 +1,10 @@
-#include "phasescan/io/pairs.hpp"
+#include "io/pairs.hpp"
 
 #include <algorithm>
 
 #include "io/json.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/number.hpp"
+#include "io/number.hpp"
 
 namespace phasescan {
 namespace {

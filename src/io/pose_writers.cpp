@@ -1,12 +1,12 @@
 // What can be made of a log's poses: a trajectory, a graph of its steps, a map drawn from them.
 #include "io/log_writers.hpp"
-#include "phasescan/graph/pose_graph.hpp"
+#include "graph/pose_graph.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/g2o.hpp"
-#include "phasescan/io/map_file.hpp"
-#include "phasescan/io/tum.hpp"
-#include "phasescan/map/occupancy_grid.hpp"
+#include "io/file.hpp"
+#include "io/g2o.hpp"
+#include "io/map_file.hpp"
+#include "io/tum.hpp"
+#include "map/occupancy_grid.hpp"
 #include "phasescan/map/trinary_map.hpp"
 
 namespace phasescan {

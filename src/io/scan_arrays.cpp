@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "io/json.hpp"
-#include "phasescan/io/number.hpp"
-#include "phasescan/io/scan_json.hpp"
+#include "io/number.hpp"
+#include "io/scan_json.hpp"
 
 namespace phasescan::json {
 namespace {

@@ -1,12 +1,12 @@
-#include "phasescan/io/scan_json.hpp"
+#include "io/scan_json.hpp"
 
 #include <algorithm>
 #include <span>
 
 #include "io/json.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/number.hpp"
+#include "io/file.hpp"
+#include "io/number.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,9 +1,9 @@
-#include "phasescan/io/scan_log.hpp"
+#include "io/scan_log.hpp"
 
 #include "io/json.hpp"
 #include "io/log_format.hpp"
 #include "io/text_log.hpp"
-#include "phasescan/io/scan_json.hpp"
+#include "io/scan_json.hpp"
 
 namespace phasescan {
 namespace {

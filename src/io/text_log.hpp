@@ -4,7 +4,7 @@
 #include <string>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 #include "phasescan/io/log.hpp"
 
 namespace phasescan {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "phasescan/io/number.hpp"
+#include "io/number.hpp"
 
 namespace phasescan {
 

@@ -1,4 +1,4 @@
-#include "phasescan/map/glass.hpp"
+#include "map/glass.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "phasescan/map/occupancy_grid.hpp"
+#include "map/occupancy_grid.hpp"
 
 #include <algorithm>
 #include <cmath>

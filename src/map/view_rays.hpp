@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "phasescan/map/glass.hpp"
+#include "map/glass.hpp"
 
 namespace phasescan {
 

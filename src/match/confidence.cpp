@@ -1,4 +1,4 @@
-#include "phasescan/match/confidence.hpp"
+#include "match/confidence.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "phasescan/match/evidence.hpp"
+#include "match/evidence.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "match/evidence.cpp"

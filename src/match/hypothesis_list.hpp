@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "phasescan/match/multi_hypothesis.hpp"
+#include "match/multi_hypothesis.hpp"
 
 namespace phasescan {
 

@@ -3,12 +3,12 @@
 
 #include <optional>
 
-#include "phasescan/image/rasterize.hpp"
+#include "image/rasterize.hpp"
 #include "phasescan/match/options.hpp"
 #include "phasescan/match/result.hpp"
-#include "phasescan/rotation/from_missing.hpp"
-#include "phasescan/rotation/from_spectrum.hpp"
-#include "phasescan/translation/phase_correlation.hpp"
+#include "rotation/from_missing.hpp"
+#include "rotation/from_spectrum.hpp"
+#include "translation/phase_correlation.hpp"
 
 namespace phasescan {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "match/stage_clock.hpp"
-#include "phasescan/match/confidence.hpp"
-#include "phasescan/match/multi_hypothesis.hpp"
+#include "match/confidence.hpp"
+#include "match/multi_hypothesis.hpp"
 
 namespace phasescan {
 namespace {

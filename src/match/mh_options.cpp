@@ -1,4 +1,4 @@
-#include "phasescan/match/mh_options.hpp"
+#include "match/mh_options.hpp"
 
 #include <array>
 

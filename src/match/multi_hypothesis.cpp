@@ -1,4 +1,4 @@
-#include "phasescan/match/multi_hypothesis.hpp"
+#include "match/multi_hypothesis.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

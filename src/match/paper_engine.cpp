@@ -4,10 +4,10 @@
 
 #include "match/image_stages.hpp"
 #include "match/stage_clock.hpp"
-#include "phasescan/refine/covariance.hpp"
-#include "phasescan/refine/icp.hpp"
-#include "phasescan/refine/ndt.hpp"
-#include "phasescan/scan/points.hpp"
+#include "refine/covariance.hpp"
+#include "refine/icp.hpp"
+#include "refine/ndt.hpp"
+#include "scan/points.hpp"
 
 namespace phasescan {
 namespace {

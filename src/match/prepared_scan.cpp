@@ -1,4 +1,4 @@
-#include "phasescan/match/prepared_scan.hpp"
+#include "match/prepared_scan.hpp"
 
 #include <algorithm>
 #include <cmath>

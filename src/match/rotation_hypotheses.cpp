@@ -1,13 +1,13 @@
-#include "phasescan/match/rotation_hypotheses.hpp"
+#include "match/rotation_hypotheses.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/image/rasterize.hpp"
-#include "phasescan/rotation/from_missing.hpp"
-#include "phasescan/rotation/from_normals.hpp"
-#include "phasescan/rotation/from_spectrum.hpp"
-#include "phasescan/spectrum/spectrum.hpp"
+#include "image/rasterize.hpp"
+#include "rotation/from_missing.hpp"
+#include "rotation/from_normals.hpp"
+#include "rotation/from_spectrum.hpp"
+#include "spectrum/spectrum.hpp"
 
 namespace phasescan {
 

@@ -1,4 +1,4 @@
-#include "phasescan/odometry/information.hpp"
+#include "odometry/information.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

@@ -1,4 +1,4 @@
-#include "phasescan/odometry/local_map.hpp"
+#include "odometry/local_map.hpp"
 
 #include <algorithm>
 #include <cmath>

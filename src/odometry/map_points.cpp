@@ -1,11 +1,11 @@
-#include "phasescan/odometry/map_points.hpp"
+#include "odometry/map_points.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
-#include "phasescan/odometry/small_things.hpp"
+#include "odometry/small_things.hpp"
 
 namespace phasescan {
 namespace {

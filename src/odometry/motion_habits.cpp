@@ -1,4 +1,4 @@
-#include "phasescan/odometry/motion_habits.hpp"
+#include "odometry/motion_habits.hpp"
 
 #include <algorithm>
 #include <cmath>

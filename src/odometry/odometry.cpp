@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/odometry/information.hpp"
+#include "odometry/information.hpp"
 
 namespace phasescan {
 namespace {

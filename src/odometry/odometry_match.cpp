@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "phasescan/odometry/information.hpp"
+#include "odometry/information.hpp"
 #include "phasescan/odometry/odometry.hpp"
-#include "phasescan/odometry/slide.hpp"
+#include "odometry/slide.hpp"
 
 namespace phasescan {
 namespace {

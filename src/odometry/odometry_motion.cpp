@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "phasescan/odometry/information.hpp"
+#include "odometry/information.hpp"
 #include "phasescan/odometry/odometry.hpp"
 
 namespace phasescan {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/odometry/registration.hpp"
+#include "odometry/registration.hpp"
 
 namespace phasescan {
 

@@ -1,6 +1,6 @@
-#include "phasescan/odometry/registration.hpp"
+#include "odometry/registration.hpp"
 
-#include "phasescan/odometry/information.hpp"
+#include "odometry/information.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

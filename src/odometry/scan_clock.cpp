@@ -1,4 +1,4 @@
-#include "phasescan/odometry/scan_clock.hpp"
+#include "odometry/scan_clock.hpp"
 
 #include <algorithm>
 #include <cmath>

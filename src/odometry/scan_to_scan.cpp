@@ -1,9 +1,9 @@
-#include "phasescan/odometry/scan_to_scan.hpp"
+#include "odometry/scan_to_scan.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "phasescan/odometry/information.hpp"
+#include "odometry/information.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,11 +1,11 @@
-#include "phasescan/odometry/slide.hpp"
+#include "odometry/slide.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 
-#include "phasescan/odometry/information.hpp"
+#include "odometry/information.hpp"
 
 namespace phasescan {
 namespace {

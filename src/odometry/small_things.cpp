@@ -1,4 +1,4 @@
-#include "phasescan/odometry/small_things.hpp"
+#include "odometry/small_things.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "phasescan/odometry/wheel_witness.hpp"
+#include "odometry/wheel_witness.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>

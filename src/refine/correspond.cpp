@@ -1,4 +1,4 @@
-#include "phasescan/refine/correspond.hpp"
+#include "refine/correspond.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "phasescan/refine/covariance.hpp"
+#include "refine/covariance.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "phasescan/refine/ndt.hpp"
+#include "refine/ndt.hpp"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -8,7 +8,7 @@
 
 #include <hwy/highway.h>
 
-#include "phasescan/refine/nearest_grid.hpp"
+#include "refine/nearest_grid.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace phasescan {

@@ -1,4 +1,4 @@
-#include "phasescan/refine/nearest_grid.hpp"
+#include "refine/nearest_grid.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "refine/nearest_grid.cpp"

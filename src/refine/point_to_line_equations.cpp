@@ -1,4 +1,4 @@
-#include "phasescan/refine/point_to_line.hpp"
+#include "refine/point_to_line.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "refine/point_to_line_equations.cpp"

@@ -1,4 +1,4 @@
-#include "phasescan/report/chart.hpp"
+#include "report/chart.hpp"
 
 #include <algorithm>
 #include <cmath>

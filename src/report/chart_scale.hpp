@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "phasescan/report/chart.hpp"
+#include "report/chart.hpp"
 
 namespace phasescan {
 

@@ -1,10 +1,10 @@
-#include "phasescan/report/html.hpp"
+#include "report/html.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "phasescan/report/svg.hpp"
+#include "report/svg.hpp"
 
 namespace phasescan {
 namespace {

@@ -2,7 +2,7 @@
 #include <array>
 #include <utility>
 
-#include "phasescan/report/chart.hpp"
+#include "report/chart.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,11 +1,11 @@
-#include "phasescan/report/scan_plot.hpp"
+#include "report/scan_plot.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/scan/points.hpp"
+#include "scan/points.hpp"
 
 namespace phasescan {
 namespace {

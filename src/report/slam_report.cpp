@@ -1,14 +1,14 @@
-#include "phasescan/report/slam_report.hpp"
+#include "report/slam_report.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/io/map_file.hpp"
-#include "phasescan/report/chart.hpp"
-#include "phasescan/report/html.hpp"
-#include "phasescan/report/svg.hpp"
+#include "io/map_file.hpp"
+#include "report/chart.hpp"
+#include "report/html.hpp"
+#include "report/svg.hpp"
 
 namespace phasescan {
 namespace {

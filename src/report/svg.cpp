@@ -1,4 +1,4 @@
-#include "phasescan/report/svg.hpp"
+#include "report/svg.hpp"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
-#include "phasescan/report/table.hpp"
+#include "report/table.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "phasescan/report/svg.hpp"
+#include "report/svg.hpp"
 
 namespace phasescan {
 namespace {

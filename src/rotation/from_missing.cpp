@@ -1,4 +1,4 @@
-#include "phasescan/rotation/from_missing.hpp"
+#include "rotation/from_missing.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "phasescan/rotation/from_normals.hpp"
+#include "rotation/from_normals.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "phasescan/core/fast_math.hpp"
+#include "core/fast_math.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,4 +1,4 @@
-#include "phasescan/rotation/from_spectrum.hpp"
+#include "rotation/from_spectrum.hpp"
 
 #include <algorithm>
 #include <array>

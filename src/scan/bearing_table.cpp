@@ -1,9 +1,9 @@
-#include "phasescan/scan/bearing_table.hpp"
+#include "scan/bearing_table.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/core/fast_math.hpp"
+#include "core/fast_math.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,4 +1,4 @@
-#include "phasescan/scan/missing.hpp"
+#include "scan/missing.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "phasescan/scan/points.hpp"
+#include "scan/points.hpp"
 
 #include <algorithm>
 #include <cmath>

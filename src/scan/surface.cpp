@@ -1,4 +1,4 @@
-#include "phasescan/scan/surface.hpp"
+#include "scan/surface.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "phasescan/scan/surface.hpp"
+#include "scan/surface.hpp"
 
 namespace phasescan {
 

@@ -1,7 +1,7 @@
 /// The line that each hit and its neighbours lie on.
 #pragma once
 
-#include "phasescan/scan/surface.hpp"
+#include "scan/surface.hpp"
 
 namespace phasescan {
 

@@ -1,9 +1,9 @@
-#include "phasescan/sim/drive.hpp"
+#include "sim/drive.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/sim/ray_caster.hpp"
+#include "sim/ray_caster.hpp"
 #include "sim/furniture.hpp"
 #include "sim/wheel_odometry.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "phasescan/core/random.hpp"
-#include "phasescan/sim/world.hpp"
+#include "core/random.hpp"
+#include "sim/world.hpp"
 #include "sim/furniture.hpp"
 
 namespace phasescan::sim {

@@ -1,4 +1,4 @@
-#include "phasescan/sim/free_space.hpp"
+#include "sim/free_space.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "phasescan/sim/lidar.hpp"
+#include "sim/lidar.hpp"
 
 #include <algorithm>
 #include <cmath>

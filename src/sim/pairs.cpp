@@ -1,4 +1,4 @@
-#include "phasescan/sim/pairs.hpp"
+#include "sim/pairs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "phasescan/sim/pairs_spec.hpp"
-#include "phasescan/sim/truth.hpp"
+#include "sim/pairs_spec.hpp"
+#include "sim/truth.hpp"
 #include "sim/placement.hpp"
 
 namespace phasescan {

@@ -1,6 +1,6 @@
-#include "phasescan/sim/pairs_spec.hpp"
+#include "sim/pairs_spec.hpp"
 
-#include "phasescan/sim/world_file.hpp"
+#include "sim/world_file.hpp"
 #include "sim/yaml_fields.hpp"
 
 namespace phasescan::sim {

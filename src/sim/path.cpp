@@ -1,4 +1,4 @@
-#include "phasescan/sim/path.hpp"
+#include "sim/path.hpp"
 
 #include <algorithm>
 #include <cmath>

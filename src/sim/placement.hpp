@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "phasescan/sim/pairs.hpp"
+#include "sim/pairs.hpp"
 
 namespace phasescan::sim {
 

@@ -1,4 +1,4 @@
-#include "phasescan/sim/places.hpp"
+#include "sim/places.hpp"
 
 #include <algorithm>
 #include <cmath>

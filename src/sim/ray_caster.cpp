@@ -1,4 +1,4 @@
-#include "phasescan/sim/ray_caster.hpp"
+#include "sim/ray_caster.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "phasescan/sim/ray_caster.hpp"
+#include "sim/ray_caster.hpp"
 #include "sim/placement.hpp"
 
 namespace phasescan::sim {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "phasescan/core/random.hpp"
-#include "phasescan/sim/free_space.hpp"
+#include "core/random.hpp"
+#include "sim/free_space.hpp"
 
 namespace phasescan::sim {
 

@@ -1,4 +1,4 @@
-#include "phasescan/sim/truth.hpp"
+#include "sim/truth.hpp"
 
 #include <algorithm>
 #include <cmath>

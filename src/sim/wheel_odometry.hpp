@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "phasescan/core/pose2.hpp"
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 
 namespace phasescan::sim {
 

@@ -1,4 +1,4 @@
-#include "phasescan/sim/world.hpp"
+#include "sim/world.hpp"
 
 #include <algorithm>
 #include <cmath>

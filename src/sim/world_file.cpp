@@ -1,11 +1,11 @@
-#include "phasescan/sim/world_file.hpp"
+#include "sim/world_file.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 #include "sim/yaml_fields.hpp"
 
 namespace phasescan {

@@ -1,4 +1,4 @@
-#include "phasescan/sim/world_kinds.hpp"
+#include "sim/world_kinds.hpp"
 
 #include <stdexcept>
 

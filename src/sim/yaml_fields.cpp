@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 #include "sim/embedded.hpp"
 
 namespace phasescan::sim {

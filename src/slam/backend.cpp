@@ -1,11 +1,11 @@
-#include "phasescan/slam/backend.hpp"
+#include "slam/backend.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "edge_information.hpp"
-#include "phasescan/odometry/information.hpp"
-#include "phasescan/odometry/registration.hpp"
+#include "odometry/information.hpp"
+#include "odometry/registration.hpp"
 
 namespace phasescan {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "edge_information.hpp"
-#include "phasescan/odometry/information.hpp"
-#include "phasescan/odometry/registration.hpp"
-#include "phasescan/slam/backend.hpp"
+#include "odometry/information.hpp"
+#include "odometry/registration.hpp"
+#include "slam/backend.hpp"
 
 namespace phasescan {
 namespace {

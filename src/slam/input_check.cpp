@@ -1,4 +1,4 @@
-#include "phasescan/slam/input_check.hpp"
+#include "slam/input_check.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "phasescan/slam/loop.hpp"
+#include "slam/loop.hpp"
 
 #include <cmath>
 

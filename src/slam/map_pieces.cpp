@@ -1,4 +1,4 @@
-#include "phasescan/slam/map_pieces.hpp"
+#include "slam/map_pieces.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,4 +1,4 @@
-#include "phasescan/slam/place_descriptor.hpp"
+#include "slam/place_descriptor.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "phasescan/core/angle.hpp"
-#include "phasescan/image/rasterize.hpp"
-#include "phasescan/scan/points.hpp"
-#include "phasescan/spectrum/fft.hpp"
+#include "image/rasterize.hpp"
+#include "scan/points.hpp"
+#include "spectrum/fft.hpp"
 #include "slam/place_projection.hpp"
 
 namespace phasescan {

@@ -1,4 +1,4 @@
-#include "phasescan/slam/place_index.hpp"
+#include "slam/place_index.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slam/place_index.cpp"

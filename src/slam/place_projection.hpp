@@ -4,7 +4,7 @@
 #include <array>
 #include <complex>
 
-#include "phasescan/slam/place_descriptor.hpp"
+#include "slam/place_descriptor.hpp"
 
 namespace phasescan {
 

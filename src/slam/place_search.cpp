@@ -1,4 +1,4 @@
-#include "phasescan/slam/place_search.hpp"
+#include "slam/place_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "phasescan/match/scan_matcher.hpp"
-#include "phasescan/scan/points.hpp"
-#include "phasescan/slam/place_check.hpp"
-#include "phasescan/slam/place_index.hpp"
+#include "scan/points.hpp"
+#include "slam/place_check.hpp"
+#include "slam/place_index.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,11 +1,11 @@
-#include "phasescan/slam/polish.hpp"
+#include "slam/polish.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/odometry/registration.hpp"
-#include "phasescan/odometry/scan_clock.hpp"
-#include "phasescan/scan/surface.hpp"
+#include "odometry/registration.hpp"
+#include "odometry/scan_clock.hpp"
+#include "scan/surface.hpp"
 #include "phasescan/slam/slam.hpp"
 
 namespace phasescan {

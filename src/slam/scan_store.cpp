@@ -1,4 +1,4 @@
-#include "phasescan/slam/scan_store.hpp"
+#include "slam/scan_store.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <future>
 #include <span>
 
-#include "phasescan/slam/polish.hpp"
+#include "slam/polish.hpp"
 
 namespace phasescan {
 

@@ -1,4 +1,4 @@
-#include "phasescan/spectrum/fft.hpp"
+#include "spectrum/fft.hpp"
 
 #include <stdexcept>
 #include <string>

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "phasescan/core/aligned.hpp"
+#include "core/aligned.hpp"
 #include "spectrum/fft_backend.hpp"
 
 namespace phasescan {

@@ -1,4 +1,4 @@
-#include "phasescan/spectrum/polar.hpp"
+#include "spectrum/polar.hpp"
 
 #include <algorithm>
 #include <cmath>

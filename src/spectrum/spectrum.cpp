@@ -1,4 +1,4 @@
-#include "phasescan/spectrum/spectrum.hpp"
+#include "spectrum/spectrum.hpp"
 
 #include <array>
 #include <cmath>

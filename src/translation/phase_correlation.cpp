@@ -1,4 +1,4 @@
-#include "phasescan/translation/phase_correlation.hpp"
+#include "translation/phase_correlation.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "phasescan/translation/sparse_correlation.hpp"
+#include "translation/sparse_correlation.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "translation/sparse_correlation.cpp"

@@ -7,6 +7,7 @@
 
 #include "support/command.hpp"
 #include "support/xml_check.hpp"
+#include "support/paths.hpp"
 
 namespace phasescan::test {
 namespace {
@@ -115,7 +116,7 @@ TEST(BenchCommand, TheConfidenceIsFittedOnWhatFeaturesWrites) {
                      "--features", folder / (std::string(seed) + ".csv"), "--out", folder / "out"});
     ASSERT_EQ(result.code, 0) << result.err;
   }
-  const std::string command = "/usr/bin/python3 " PHASESCAN_SOURCE_DIR "/tools/fit_confidence.py --sim " +
+  const std::string command = "/usr/bin/python3 " + source_dir() + "/tools/fit_confidence.py --sim " +
                               (folder / "1.csv") + " --real " + (folder / "2.csv") + " --out " +
                               (folder / "left-out.md") + " > " + (folder / "printed");
   ASSERT_EQ(std::system(command.c_str()), 0);

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "phasescan/core/random.hpp"
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/pairs.hpp"
-#include "phasescan/io/scan_json.hpp"
-#include "phasescan/io/scan_log.hpp"
+#include "core/random.hpp"
+#include "io/file.hpp"
+#include "io/pairs.hpp"
+#include "io/scan_json.hpp"
+#include "io/scan_log.hpp"
 #include "support/command.hpp"
 #include "support/data.hpp"
 

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "phasescan/io/map_file.hpp"
-#include "phasescan/io/tum.hpp"
+#include "io/map_file.hpp"
+#include "io/tum.hpp"
 #include "support/command.hpp"
 #include "support/toy_log.hpp"
 

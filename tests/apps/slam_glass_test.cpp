@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "phasescan/io/map_file.hpp"
-#include "phasescan/io/tum.hpp"
+#include "io/map_file.hpp"
+#include "io/tum.hpp"
 #include "support/command.hpp"
 
 namespace phasescan {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "phasescan/io/tum.hpp"
+#include "io/tum.hpp"
 #include "support/command.hpp"
 #include "support/toy_log.hpp"
 

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 #include "support/command.hpp"
 #include "support/temp.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 
 namespace phasescan {
 namespace {

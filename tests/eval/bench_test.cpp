@@ -1,12 +1,12 @@
-#include "phasescan/eval/bench.hpp"
+#include "eval/bench.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "phasescan/core/random.hpp"
-#include "phasescan/eval/bench_report.hpp"
+#include "core/random.hpp"
+#include "eval/bench_report.hpp"
 #include "support/xml_check.hpp"
 
 namespace phasescan {

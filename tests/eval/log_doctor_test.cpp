@@ -1,5 +1,5 @@
 // The doctor finds what was put into a log, and nothing in a healthy one.
-#include "phasescan/eval/log_doctor.hpp"
+#include "eval/log_doctor.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

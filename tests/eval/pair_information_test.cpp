@@ -1,5 +1,5 @@
 // What two scans say of their own information, against what the simulator knows of it.
-#include "phasescan/eval/pair_information.hpp"
+#include "eval/pair_information.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,11 +7,11 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "phasescan/eval/pair_outcome.hpp"
-#include "phasescan/eval/statistics.hpp"
+#include "eval/pair_outcome.hpp"
+#include "eval/statistics.hpp"
 #include "phasescan/match/scan_matcher.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
-#include "phasescan/sim/truth.hpp"
+#include "sim/pairs_spec.hpp"
+#include "sim/truth.hpp"
 #include "support/rooms.hpp"
 
 namespace phasescan {

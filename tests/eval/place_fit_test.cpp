@@ -1,4 +1,4 @@
-#include "phasescan/eval/place_fit.hpp"
+#include "eval/place_fit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <stdexcept>
 
 #include "phasescan/core/angle.hpp"
-#include "phasescan/core/random.hpp"
-#include "phasescan/scan/points.hpp"
-#include "phasescan/sim/places.hpp"
-#include "phasescan/slam/place_index.hpp"
+#include "core/random.hpp"
+#include "scan/points.hpp"
+#include "sim/places.hpp"
+#include "slam/place_index.hpp"
 #include "slam/place_projection.hpp"
 
 namespace phasescan {

@@ -1,4 +1,4 @@
-#include "phasescan/eval/relations.hpp"
+#include "eval/relations.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

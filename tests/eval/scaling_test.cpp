@@ -1,4 +1,4 @@
-#include "phasescan/eval/scaling.hpp"
+#include "eval/scaling.hpp"
 
 #include <gtest/gtest.h>
 

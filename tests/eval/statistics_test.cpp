@@ -1,11 +1,11 @@
-#include "phasescan/eval/statistics.hpp"
+#include "eval/statistics.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 
 namespace phasescan {
 namespace {

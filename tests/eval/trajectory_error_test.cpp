@@ -1,11 +1,11 @@
-#include "phasescan/eval/trajectory_error.hpp"
+#include "eval/trajectory_error.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 
 namespace phasescan {
 namespace {

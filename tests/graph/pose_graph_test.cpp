@@ -1,4 +1,4 @@
-#include "phasescan/graph/pose_graph.hpp"
+#include "graph/pose_graph.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 
 namespace phasescan {
 namespace {

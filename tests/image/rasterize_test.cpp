@@ -1,4 +1,4 @@
-#include "phasescan/image/rasterize.hpp"
+#include "image/rasterize.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "phasescan/io/config.hpp"
+#include "io/config.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 #include "phasescan/match/scan_matcher.hpp"
 #include "support/temp.hpp"
 

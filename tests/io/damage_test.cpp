@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "phasescan/io/file.hpp"
-#include "phasescan/io/scan_log.hpp"
+#include "io/file.hpp"
+#include "io/scan_log.hpp"
 #include "support/damage.hpp"
 
 namespace phasescan {

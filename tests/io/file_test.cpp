@@ -1,13 +1,13 @@
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/number.hpp"
+#include "io/number.hpp"
 #include "support/command.hpp"
 #include "support/temp.hpp"
 

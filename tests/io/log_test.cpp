@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/scan_log.hpp"
+#include "io/scan_log.hpp"
 #include "support/data.hpp"
 #include "support/temp.hpp"
 

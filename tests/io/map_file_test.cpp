@@ -1,4 +1,4 @@
-#include "phasescan/io/map_file.hpp"
+#include "io/map_file.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 
 namespace phasescan {
 namespace {

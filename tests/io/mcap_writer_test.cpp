@@ -6,7 +6,7 @@
 
 #include "io/ros_encode.hpp"
 #include "phasescan/io/log.hpp"
-#include "phasescan/io/mcap_writer.hpp"
+#include "io/mcap_writer.hpp"
 #include "support/ros_fixture.hpp"
 #include "support/temp.hpp"
 

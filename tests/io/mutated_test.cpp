@@ -3,12 +3,12 @@
 
 #include <cmath>
 
-#include "phasescan/core/random.hpp"
-#include "phasescan/io/config.hpp"
+#include "core/random.hpp"
+#include "io/config.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/log.hpp"
-#include "phasescan/io/pairs.hpp"
-#include "phasescan/io/scan_log.hpp"
+#include "io/pairs.hpp"
+#include "io/scan_log.hpp"
 #include "support/temp.hpp"
 
 namespace phasescan {

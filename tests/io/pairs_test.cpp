@@ -1,4 +1,4 @@
-#include "phasescan/io/pairs.hpp"
+#include "io/pairs.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/scan_json.hpp"
+#include "io/scan_json.hpp"
 #include "support/temp.hpp"
 
 namespace phasescan {

@@ -6,9 +6,9 @@
 #include <cstring>
 
 #include "io/json.hpp"
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/number.hpp"
+#include "io/number.hpp"
 
 namespace phasescan {
 namespace {

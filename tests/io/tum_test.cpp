@@ -1,4 +1,4 @@
-#include "phasescan/io/tum.hpp"
+#include "io/tum.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,11 +1,11 @@
 // Glass and black surfaces in simulated rooms, seen from known poses.
-#include "phasescan/map/glass.hpp"
+#include "map/glass.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "phasescan/sim/lidar.hpp"
+#include "sim/lidar.hpp"
 
 namespace phasescan {
 namespace {

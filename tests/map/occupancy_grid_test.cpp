@@ -1,4 +1,4 @@
-#include "phasescan/map/occupancy_grid.hpp"
+#include "map/occupancy_grid.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 #include "phasescan/map/trinary_map.hpp"
 
 namespace phasescan {

@@ -8,7 +8,7 @@
 #include <new>
 
 #include "match/image_stages.hpp"
-#include "phasescan/match/multi_hypothesis.hpp"
+#include "match/multi_hypothesis.hpp"
 #include "phasescan/match/scan_matcher.hpp"
 #include "support/rooms.hpp"
 

@@ -1,11 +1,11 @@
 // Evidence against a plain version of the same definition, and what it must say in plain cases.
-#include "phasescan/match/evidence.hpp"
+#include "match/evidence.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "phasescan/core/fast_math.hpp"
+#include "core/fast_math.hpp"
 #include "support/prepared.hpp"
 #include "support/rooms.hpp"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "phasescan/match/scan_matcher.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
+#include "sim/pairs_spec.hpp"
 #include "support/rooms.hpp"
 
 namespace phasescan {

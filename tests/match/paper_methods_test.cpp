@@ -5,9 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "phasescan/io/config.hpp"
+#include "io/config.hpp"
 #include "phasescan/match/scan_matcher.hpp"
 #include "support/rooms.hpp"
+#include "support/paths.hpp"
 
 namespace phasescan {
 namespace {
@@ -244,7 +245,7 @@ TEST(FftIcp2, TakesTheRotationFromMissingDataWhereItIsSure) {
 }
 
 TEST(PaperStrict, TheConfigurationLoadsAndEveryMethodFindsASmallMotion) {
-  MatchOptions options = load_config(PHASESCAN_SOURCE_DIR "/configs/paper-strict.yaml").match;
+  MatchOptions options = load_config(test::source_dir() + "/configs/paper-strict.yaml").match;
   EXPECT_EQ(options.translation.mode, TranslationMode::kProjections);
   EXPECT_EQ(options.translation.whitening, 1.0);
   EXPECT_EQ(options.icp.gate_m, 0.0);

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/odometry/information.hpp"
+#include "odometry/information.hpp"
 #include "phasescan/odometry/odometry.hpp"
-#include "phasescan/odometry/slide.hpp"
-#include "phasescan/sim/drive.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
-#include "phasescan/sim/world_file.hpp"
+#include "odometry/slide.hpp"
+#include "sim/drive.hpp"
+#include "sim/pairs_spec.hpp"
+#include "sim/world_file.hpp"
 #include "support/toy_world.hpp"
 
 namespace phasescan {

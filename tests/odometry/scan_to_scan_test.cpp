@@ -1,4 +1,4 @@
-#include "phasescan/odometry/scan_to_scan.hpp"
+#include "odometry/scan_to_scan.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Small things that stand free: which hits are on one, and which of them stay where they are.
-#include "phasescan/odometry/small_things.hpp"
+#include "odometry/small_things.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "phasescan/odometry/steadiness.hpp"
+#include "odometry/steadiness.hpp"
 
 #include <gtest/gtest.h>
 

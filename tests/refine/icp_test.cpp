@@ -1,4 +1,4 @@
-#include "phasescan/refine/icp.hpp"
+#include "refine/icp.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "phasescan/refine/nearest_grid.hpp"
+#include "refine/nearest_grid.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,4 +1,4 @@
-#include "phasescan/refine/point_to_line.hpp"
+#include "refine/point_to_line.hpp"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>

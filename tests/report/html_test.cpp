@@ -1,10 +1,10 @@
-#include "phasescan/report/html.hpp"
+#include "report/html.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "phasescan/report/chart.hpp"
+#include "report/chart.hpp"
 #include "support/xml_check.hpp"
 
 namespace phasescan {

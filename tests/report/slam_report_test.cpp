@@ -1,4 +1,4 @@
-#include "phasescan/report/slam_report.hpp"
+#include "report/slam_report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,12 +1,12 @@
-#include "phasescan/report/svg.hpp"
+#include "report/svg.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "phasescan/core/random.hpp"
-#include "phasescan/report/chart.hpp"
-#include "phasescan/report/scan_plot.hpp"
+#include "core/random.hpp"
+#include "report/chart.hpp"
+#include "report/scan_plot.hpp"
 #include "support/xml_check.hpp"
 
 namespace phasescan {

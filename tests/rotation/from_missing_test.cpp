@@ -1,9 +1,9 @@
-#include "phasescan/rotation/from_missing.hpp"
+#include "rotation/from_missing.hpp"
 
 #include <gtest/gtest.h>
 
 #include "phasescan/core/angle.hpp"
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,8 +1,8 @@
-#include "phasescan/rotation/from_spectrum.hpp"
+#include "rotation/from_spectrum.hpp"
 
 #include <gtest/gtest.h>
 
-#include "phasescan/image/rasterize.hpp"
+#include "image/rasterize.hpp"
 #include "support/rooms.hpp"
 
 namespace phasescan {

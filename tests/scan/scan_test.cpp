@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "phasescan/scan/points.hpp"
+#include "scan/points.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,13 +1,13 @@
-#include "phasescan/sim/lidar.hpp"
+#include "sim/lidar.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/scan/points.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
-#include "phasescan/sim/world_kinds.hpp"
+#include "scan/points.hpp"
+#include "sim/pairs_spec.hpp"
+#include "sim/world_kinds.hpp"
 
 namespace phasescan::sim {
 namespace {

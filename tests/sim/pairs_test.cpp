@@ -1,4 +1,4 @@
-#include "phasescan/sim/pairs.hpp"
+#include "sim/pairs.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <map>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/sim/pairs_spec.hpp"
-#include "phasescan/sim/truth.hpp"
+#include "sim/pairs_spec.hpp"
+#include "sim/truth.hpp"
 
 namespace phasescan::sim {
 namespace {

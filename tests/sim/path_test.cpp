@@ -1,13 +1,13 @@
-#include "phasescan/sim/path.hpp"
+#include "sim/path.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
-#include "phasescan/sim/drive.hpp"
-#include "phasescan/sim/ray_caster.hpp"
-#include "phasescan/sim/world_kinds.hpp"
+#include "sim/drive.hpp"
+#include "sim/ray_caster.hpp"
+#include "sim/world_kinds.hpp"
 
 namespace phasescan::sim {
 namespace {

@@ -1,11 +1,11 @@
-#include "phasescan/sim/ray_caster.hpp"
+#include "sim/ray_caster.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "phasescan/core/random.hpp"
-#include "phasescan/sim/world_kinds.hpp"
+#include "core/random.hpp"
+#include "sim/world_kinds.hpp"
 
 namespace phasescan::sim {
 namespace {

@@ -7,10 +7,11 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "phasescan/io/file.hpp"
+#include "io/file.hpp"
 #include "phasescan/io/log.hpp"
-#include "phasescan/io/pairs.hpp"
-#include "phasescan/io/tum.hpp"
+#include "io/pairs.hpp"
+#include "io/tum.hpp"
+#include "support/paths.hpp"
 
 namespace phasescan {
 namespace {
@@ -29,7 +30,7 @@ class SimulateCommand : public ::testing::Test {
 
   /// Exit code; stderr is left in `said_`.
   int run(const std::string& flags) {
-    const std::string command = std::string(PHASESCAN_COMMAND) + " simulate " + flags + " 2> " + path("stderr");
+    const std::string command = test::command_path() + " simulate " + flags + " 2> " + path("stderr");
     const int status = std::system(command.c_str());
     said_ = fs::file_size(path("stderr")) ? read_file(path("stderr")) : "";
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;

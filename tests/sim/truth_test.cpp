@@ -1,11 +1,11 @@
-#include "phasescan/sim/truth.hpp"
+#include "sim/truth.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "phasescan/sim/world_kinds.hpp"
+#include "sim/world_kinds.hpp"
 
 namespace phasescan::sim {
 namespace {

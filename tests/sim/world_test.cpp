@@ -5,9 +5,9 @@
 #include <fstream>
 
 #include "phasescan/io/error.hpp"
-#include "phasescan/sim/places.hpp"
-#include "phasescan/sim/ray_caster.hpp"
-#include "phasescan/sim/world_file.hpp"
+#include "sim/places.hpp"
+#include "sim/ray_caster.hpp"
+#include "sim/world_file.hpp"
 #include "sim/furniture.hpp"
 
 namespace phasescan::sim {

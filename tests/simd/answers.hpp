@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "phasescan/image/score_table.hpp"
+#include "image/score_table.hpp"
 #include "phasescan/match/scan_matcher.hpp"
-#include "phasescan/translation/sparse_correlation.hpp"
+#include "translation/sparse_correlation.hpp"
 #include "support/rooms.hpp"
 
 namespace phasescan::test {

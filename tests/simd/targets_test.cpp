@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
-#include "phasescan/slam/place_index.hpp"
+#include "slam/place_index.hpp"
 #include "simd/answers.hpp"
 
 namespace phasescan {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "phasescan/slam/backend.hpp"
+#include "slam/backend.hpp"
 #include "support/toy_world.hpp"
 
 namespace phasescan {

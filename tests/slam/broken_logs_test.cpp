@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "phasescan/eval/trajectory_error.hpp"
-#include "phasescan/sim/drive.hpp"
-#include "phasescan/sim/world_kinds.hpp"
+#include "eval/trajectory_error.hpp"
+#include "sim/drive.hpp"
+#include "sim/world_kinds.hpp"
 #include "phasescan/slam/slam.hpp"
 
 namespace phasescan {

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "phasescan/sim/drive.hpp"
-#include "phasescan/sim/world_kinds.hpp"
+#include "sim/drive.hpp"
+#include "sim/world_kinds.hpp"
 #include "phasescan/slam/slam.hpp"
 
 namespace phasescan {

@@ -1,4 +1,4 @@
-#include "phasescan/slam/place_index.hpp"
+#include "slam/place_index.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "phasescan/core/angle.hpp"
-#include "phasescan/core/random.hpp"
-#include "phasescan/scan/points.hpp"
+#include "core/random.hpp"
+#include "scan/points.hpp"
 #include "support/toy_world.hpp"
 
 namespace phasescan {

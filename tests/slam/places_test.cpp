@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "phasescan/slam/backend.hpp"
-#include "phasescan/slam/place_search.hpp"
+#include "slam/backend.hpp"
+#include "slam/place_search.hpp"
 #include "support/toy_world.hpp"
 
 namespace phasescan {

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "phasescan/eval/trajectory_error.hpp"
-#include "phasescan/io/g2o.hpp"
-#include "phasescan/io/map_file.hpp"
-#include "phasescan/io/tum.hpp"
+#include "eval/trajectory_error.hpp"
+#include "io/g2o.hpp"
+#include "io/map_file.hpp"
+#include "io/tum.hpp"
 #include "support/toy_world.hpp"
 
 namespace phasescan {

@@ -1,4 +1,4 @@
-#include "phasescan/eval/paper.hpp"
+#include "eval/paper.hpp"
 
 #include <gtest/gtest.h>
 

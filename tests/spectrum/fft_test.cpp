@@ -1,4 +1,4 @@
-#include "phasescan/spectrum/fft.hpp"
+#include "spectrum/fft.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <thread>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,11 +1,11 @@
-#include "phasescan/spectrum/spectrum.hpp"
+#include "spectrum/spectrum.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "phasescan/image/rasterize.hpp"
-#include "phasescan/spectrum/polar.hpp"
+#include "image/rasterize.hpp"
+#include "spectrum/polar.hpp"
 #include "support/rooms.hpp"
 
 namespace phasescan {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "support/paths.hpp"
 #include "support/temp.hpp"
 
 namespace phasescan::test {
@@ -32,7 +33,7 @@ inline CommandResult run_command(const std::vector<std::string>& arguments, cons
                                  int interrupt = 0, const std::function<bool()>& interrupt_ready = {}) {
   const TempFolder folder;
   const std::string out_path = out.empty() ? folder / "out" : out, err_path = folder / "err";
-  std::vector<std::string> words{PHASESCAN_COMMAND};
+  std::vector<std::string> words{command_path()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());

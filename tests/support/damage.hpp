@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/log.hpp"
 #include "support/ros_fixture.hpp"

@@ -1,7 +1,7 @@
 /// A scan prepared with the defaults of fft-mh, for tests of its parts.
 #pragma once
 
-#include "phasescan/match/prepared_scan.hpp"
+#include "match/prepared_scan.hpp"
 
 namespace phasescan::test {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "phasescan/core/pose2.hpp"
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 #include "phasescan/scan/scan.hpp"
 
 namespace phasescan::test {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "phasescan/io/tum.hpp"
+#include "io/tum.hpp"
 #include "support/toy_world.hpp"
 
 namespace phasescan::testing {

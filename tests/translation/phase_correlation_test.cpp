@@ -1,11 +1,11 @@
-#include "phasescan/translation/phase_correlation.hpp"
+#include "translation/phase_correlation.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "phasescan/core/random.hpp"
-#include "phasescan/image/rasterize.hpp"
+#include "core/random.hpp"
+#include "image/rasterize.hpp"
 #include "support/rooms.hpp"
 
 namespace phasescan {

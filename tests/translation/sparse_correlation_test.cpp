@@ -1,10 +1,10 @@
-#include "phasescan/translation/sparse_correlation.hpp"
+#include "translation/sparse_correlation.hpp"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "phasescan/core/random.hpp"
+#include "core/random.hpp"
 
 namespace phasescan {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "phasescan/core/pose2.hpp"
-#include "phasescan/map/occupancy_grid.hpp"
+#include "map/occupancy_grid.hpp"
 
 namespace phasescan {
 

@@ -2,14 +2,14 @@
 #pragma once
 
 #include "phasescan/core/options.hpp"
-#include "phasescan/image/rasterize.hpp"
-#include "phasescan/match/mh_options.hpp"
-#include "phasescan/refine/icp.hpp"
-#include "phasescan/refine/ndt.hpp"
-#include "phasescan/rotation/from_spectrum.hpp"
-#include "phasescan/scan/missing.hpp"
-#include "phasescan/spectrum/spectrum.hpp"
-#include "phasescan/translation/phase_correlation.hpp"
+#include "image/rasterize.hpp"
+#include "match/mh_options.hpp"
+#include "refine/icp.hpp"
+#include "refine/ndt.hpp"
+#include "rotation/from_spectrum.hpp"
+#include "scan/missing.hpp"
+#include "spectrum/spectrum.hpp"
+#include "translation/phase_correlation.hpp"
 
 namespace phasescan {
 

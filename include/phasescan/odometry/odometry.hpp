@@ -8,17 +8,17 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/core/time.hpp"
-#include "phasescan/odometry/local_map.hpp"
-#include "phasescan/odometry/map_points.hpp"
-#include "phasescan/odometry/motion_habits.hpp"
+#include "odometry/local_map.hpp"
+#include "odometry/map_points.hpp"
+#include "odometry/motion_habits.hpp"
 #include "phasescan/odometry/options.hpp"
-#include "phasescan/odometry/registration.hpp"
-#include "phasescan/odometry/scan_clock.hpp"
-#include "phasescan/odometry/scan_to_scan.hpp"
-#include "phasescan/odometry/steadiness.hpp"
-#include "phasescan/odometry/wheel_witness.hpp"
+#include "odometry/registration.hpp"
+#include "odometry/scan_clock.hpp"
+#include "odometry/scan_to_scan.hpp"
+#include "odometry/steadiness.hpp"
+#include "odometry/wheel_witness.hpp"
 #include "phasescan/scan/scan.hpp"
-#include "phasescan/scan/surface.hpp"
+#include "scan/surface.hpp"
 
 namespace phasescan {
 

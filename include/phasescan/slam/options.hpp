@@ -1,8 +1,8 @@
 #pragma once
 
 #include "phasescan/core/options.hpp"
-#include "phasescan/map/glass.hpp"
-#include "phasescan/map/occupancy_grid.hpp"
+#include "map/glass.hpp"
+#include "map/occupancy_grid.hpp"
 #include "phasescan/odometry/options.hpp"
 
 namespace phasescan {

@@ -9,12 +9,12 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/core/time.hpp"
-#include "phasescan/map/glass.hpp"
-#include "phasescan/map/occupancy_grid.hpp"
+#include "map/glass.hpp"
+#include "map/occupancy_grid.hpp"
 #include "phasescan/odometry/odometry.hpp"
-#include "phasescan/slam/backend.hpp"
+#include "slam/backend.hpp"
 #include "phasescan/slam/options.hpp"
-#include "phasescan/slam/scan_store.hpp"
+#include "slam/scan_store.hpp"
 
 namespace phasescan {
 

@@ -1,0 +1,99 @@
+/// A small map of surface elements around one place, made of a few scans: what a scan is matched against.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "phasescan/core/pose2.hpp"
+#include "odometry/map_points.hpp"
+#include "odometry/small_things.hpp"
+#include "refine/nearest_grid.hpp"
+
+namespace phasescan {
+
+/// A piece of surface: the mean of the points that fell into one cell with much the same normal.
+struct Surfel {
+  float x = 0.0F, y = 0.0F;      ///< [m] in the map's own frame
+  float nx = 0.0F, ny = 0.0F;    ///< unit normal, (0, 0) for lone hits
+  float variance = 0.0F;         ///< across the surface [m^2]
+  float normal_variance = 0.0F;  ///< of the normal's direction [rad^2]
+  std::int32_t next = -1;        ///< next surfel of the same cell, in a ring
+  std::uint8_t small = 0;        ///< 1: of a small thing that stays
+};
+
+/// Surfels and the grid that finds them. Build: reset, add scans, finish. Bounded by its window, whatever is added.
+class LocalMap {
+ public:
+  /// Empties the map. Its frame is placed at `T_world_map`; scans are then added with world poses.
+  /// @param half_width_m  of the window; points outside are left out
+  /// @param cell_m        size of a cell; partners are found up to 3 cells away
+  void reset(const Pose2& T_world_map, double half_width_m, double cell_m);
+  /// Small things become part of the map once two of its scans show that they stay.
+  void add(const MapPoints& points, const Pose2& T_world_base);
+  /// Merges the points into surfels and builds the grid. @cost O(points + window / 16)
+  void finish();
+
+  const Pose2& T_world_map() const { return T_world_map_; }
+  const std::vector<Surfel>& surfels() const { return surfels_; }
+  bool empty() const { return surfels_.empty(); }
+  double reach_m() const { return 3.0 * cell_m_; }
+
+  /// The surfel that a point with that normal belongs to, or null: near, and facing the same way (normals within
+  /// acos(min_cosine)).
+  const Surfel* find(float px, float py, float nx, float ny, float min_cosine) const {
+    const int first = grid_.nearest(px, py);
+    if (first < 0) return nullptr;
+    const Surfel* best = nullptr;
+    float best_cosine = min_cosine;
+    int at = first;
+    do {
+      const Surfel& s = surfels_[static_cast<std::size_t>(at)];
+      const float cosine = s.nx * nx + s.ny * ny;
+      if (cosine > best_cosine) best_cosine = cosine, best = &s;
+      at = s.next;
+    } while (at != first);
+    return best;
+  }
+
+  /// Whether what is nearest to a point is a small thing that stays.
+  bool small_thing_at(float px, float py) const {
+    const int any = grid_.nearest(px, py), alone = lone_grid_.nearest(px, py);
+    return (any >= 0 && surfels_[static_cast<std::size_t>(any)].small) ||
+           (alone >= 0 && lone_[static_cast<std::size_t>(alone)].small);
+  }
+
+  /// The lone hits' surfel nearest to a point, or null.
+  const Surfel* find_lone(float px, float py) const {
+    const int at = lone_grid_.nearest(px, py);
+    return at < 0 ? nullptr : &lone_[static_cast<std::size_t>(at)];
+  }
+
+ private:
+  struct Slot {
+    std::uint64_t key = 0;
+    std::int32_t surfel = -1;
+  };
+  void normalise(std::vector<Surfel>& surfels, NearestGrid& grid);
+  std::int32_t& slot(std::uint64_t key);
+  void add_point(float px, float py, float nx, float ny, float variance, float normal_variance, std::uint8_t small);
+  void grow_table();
+  void add_small_things();
+
+  Pose2 T_world_map_;
+  double cell_m_ = 0.1, half_width_m_ = 20.0, extent_m_ = 0.0;
+  std::vector<Surfel> surfels_;  // x, y, nx, ny hold weighted sums until finish(), variance the sum of weights
+  std::vector<Surfel> lone_;
+  std::vector<Slot> table_;
+  struct SmallSurface {
+    float nx, ny, variance, normal_variance;
+  };
+  std::vector<SmallHit> small_;  // wait for finish(), which knows what stays
+  std::vector<SmallSurface> small_surface_;
+  std::vector<Pose2> views_;
+  StayingThings staying_;
+  std::vector<std::uint8_t> stays_;
+  std::vector<SurfacePoint> grid_points_;  // where the surfels are, as the grid wants it
+  NearestGrid grid_, lone_grid_;
+};
+
+}  // namespace phasescan
