@@ -24,6 +24,21 @@ struct Keyframe {
   Twist2 twist;                                      ///< of the base during its turn
   Pose2 T_mid_stamp;                                 ///< the base at the scan's first beam, seen from mid-scan
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< mean of its points: what it looks at, frame of the base
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("points", self.points);
+    v("T_odom_base", self.T_odom_base);
+    v("information", self.information);
+    v("new_segment", self.new_segment);
+    v("scan", self.scan);
+    v("stored", self.stored);
+    v("own_scan", self.own_scan);
+    v("mount", self.mount);
+    v("twist", self.twist);
+    v("T_mid_stamp", self.T_mid_stamp);
+    v("centre", self.centre);
+  }
 };
 
 }  // namespace phasescan

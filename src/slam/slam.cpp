@@ -5,7 +5,7 @@
 #include <future>
 #include <span>
 
-#include "slam/polish.hpp"
+#include "slam/trajectory_refinement.hpp"
 
 namespace phasescan {
 
@@ -112,19 +112,19 @@ void Slam::finish() {
   worker_->get();
   backend_->finish();
   if (options_.slam.polish && !options_.slam.bounded_memory && !records_.empty()) {
-    polished_ = polish_trajectory(*backend_, store_, trajectory(), records_, options_.odometry);
+    polished_ = refine_trajectory(*backend_, store_, trajectory(), records_, options_.odometry);
   }
 }
 
 std::vector<Pose2> Slam::trajectory() const {
   if (!records_.empty() && polished_.size() == records_.size()) return polished_;
-  return anchored(backend().handed_in_poses());
+  return anchored(backend().submitted_poses());
 }
 
 std::optional<Pose2> Slam::pose_on_map(std::size_t scan) const {
   const ScanRecord& r = records_.at(scan);
-  if (r.keyframe < 0 || static_cast<std::size_t>(r.keyframe) >= backend().handed_in()) return std::nullopt;
-  return backend().handed_in_pose(static_cast<std::size_t>(r.keyframe)) *
+  if (r.keyframe < 0 || static_cast<std::size_t>(r.keyframe) >= backend().submitted()) return std::nullopt;
+  return backend().submitted_pose(static_cast<std::size_t>(r.keyframe)) *
          Pose2{static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.theta)};
 }
 
@@ -159,7 +159,7 @@ std::vector<char> Slam::on_map() const {
   const MapPieces pieces = map.pieces();
   for (std::size_t i = 0; i < on.size(); ++i) {
     const auto k = static_cast<std::size_t>(records_[i].keyframe);
-    if (records_[i].keyframe < 0 || k >= map.handed_in()) continue;
+    if (records_[i].keyframe < 0 || k >= map.submitted()) continue;
     on[i] = pieces.in_largest(static_cast<std::size_t>(map.node_of(k)));
   }
   return on;
@@ -197,13 +197,13 @@ std::vector<GlassPane> Slam::find_glass_panes(const OccupancyGrid& grid) const {
 }
 
 std::vector<Pose2> Slam::odometry_trajectory() const {
-  return anchored(backend().handed_in_poses(true));
+  return anchored(backend().submitted_poses(true));
 }
 
 std::vector<Pose2> Slam::anchored(const std::vector<Pose2>& keyframe_poses) const {
   std::vector<Pose2> out;
   out.reserve(records_.size());
-  const std::vector<Pose2> odometry = backend().handed_in_poses(true);
+  const std::vector<Pose2> odometry = backend().submitted_poses(true);
   std::size_t begin = 0;
   while (begin < records_.size()) {
     const std::int32_t keyframe = records_[begin].keyframe;
