@@ -108,7 +108,7 @@ int run_memory(const MemoryFlags& flags) {
     const auto scan = drive.next();
     if (!scan) break;
     if (slam.records().empty()) T_world_start = scan->T_world_laser;
-    slam.add(scan->entry.scan);
+    slam.add({scan->entry.scan});
     errors.add(slam, T_world_start.inverse() * scan->T_world_laser);
     if (slam.records().size() == flags.settled) {
       settled_bytes = resident_bytes();

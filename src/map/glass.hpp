@@ -62,8 +62,7 @@ struct GlassPane {
 struct PlacedScan {
   Scan scan;
   Pose2 T_map_laser;  ///< at the first beam
-  bool flipped = false;
-  Twist2 twist;  ///< of the upright laser during the turn
+  Twist2 twist;       ///< of the laser during the turn
 };
 
 /// Looks for panes in scans at their final poses.

@@ -47,9 +47,9 @@ class OccupancyGrid {
   ///
   /// A missing beam says little: glass and black surfaces return nothing either. It marks weakly, and only as far as 80
   /// % of the shorter of its two neighbouring hits (at most 5 beams away).
-  /// @param T_map_laser  pose of the laser at the first beam; with `flipped` its y axis points to its right
-  /// @param twist        motion of the (upright) laser during the turn, for scans with a time_increment
-  void add_scan(const Scan& scan, const Pose2& T_map_laser, bool flipped = false, const Twist2& twist = {});
+  /// @param T_map_laser  pose of the laser at the first beam
+  /// @param twist        motion of the laser during the turn, for scans with a time_increment
+  void add_scan(const Scan& scan, const Pose2& T_map_laser, const Twist2& twist = {});
 
   /// Log-odds of a cell; 0 where nothing is known.
   double log_odds(int i, int k) const;
