@@ -5,8 +5,8 @@
 
 #include <fstream>
 
-#include "io/map_file.hpp"
-#include "io/option_table.hpp"
+#include "output/map_file.hpp"
+#include "config/option_table.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/log.hpp"
 #include "sim/world_file.hpp"

@@ -1,4 +1,4 @@
-#include "io/option_table.hpp"
+#include "config/option_table.hpp"
 
 #include <algorithm>
 #include <map>
