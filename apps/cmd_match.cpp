@@ -8,7 +8,7 @@
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
-#include "io/match_json.hpp"
+#include "output/match_json.hpp"
 #include "io/number.hpp"
 #include "io/pairs.hpp"
 #include "io/scan_json.hpp"

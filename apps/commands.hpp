@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "io/config.hpp"
+#include "config/config.hpp"
 #include "phasescan/io/log.hpp"
 
 namespace phasescan::app {

@@ -1,60 +1,19 @@
-// What can be made of a log's poses: a trajectory, a graph of its steps, a map drawn from them.
-#include "io/log_writers.hpp"
+#include "output/convert_targets.hpp"
+
+#include <algorithm>
+#include <array>
+
 #include "graph/pose_graph.hpp"
-#include "phasescan/io/error.hpp"
 #include "io/file.hpp"
-#include "io/g2o.hpp"
-#include "io/map_file.hpp"
-#include "io/tum.hpp"
+#include "io/log_writers.hpp"
+#include "io/pose_writer.hpp"
 #include "map/occupancy_grid.hpp"
+#include "output/g2o.hpp"
+#include "output/map_file.hpp"
 #include "phasescan/map/trinary_map.hpp"
 
 namespace phasescan {
 namespace {
-
-/// Takes the pose of each entry: odometry, or where there is none the log's own estimate.
-class PoseWriter : public LogWriter {
- public:
-  explicit PoseWriter(std::string path) : path_(std::move(path)) {}
-  void add(const LogEntry& entry) final {
-    const std::optional<Pose2>& pose = entry.odometry ? entry.odometry : entry.corrected;
-    if (!pose) {
-      add_loss("scans without a pose are left out");
-      return;
-    }
-    ++poses_;
-    add_pose(entry, *pose);
-  }
-  void finish() final {
-    if (poses_ == 0) {
-      throw InputError(path_, 0, "the log has no poses; expected odometry (from scans alone: `phasescan slam`)");
-    }
-    write();
-  }
-
- protected:
-  virtual void add_pose(const LogEntry& entry, const Pose2& T_odom_base) = 0;
-  virtual void write() = 0;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-  std::size_t poses_ = 0;
-};
-
-class TumWriter final : public PoseWriter {
- public:
-  using PoseWriter::PoseWriter;
-
- protected:
-  void add_pose(const LogEntry& entry, const Pose2& T_odom_base) override {
-    poses_.push_back({entry.scan.stamp, T_odom_base});
-  }
-  void write() override { write_file(path(), format_tum(poses_)); }
-
- private:
-  std::vector<StampedPose> poses_;
-};
 
 class G2oWriter final : public PoseWriter {
  public:
@@ -107,16 +66,37 @@ class MapWriter final : public PoseWriter {
   OccupancyGrid grid_;
 };
 
+struct Ending {
+  std::string_view ending;
+  std::string_view target;
+};
+constexpr Ending kEndings[] = {{".g2o", "g2o"}, {".pgm", "map"}, {".yaml", "map"}};
+
 }  // namespace
 
-std::unique_ptr<LogWriter> make_tum_writer(const std::string& path) {
-  return std::make_unique<TumWriter>(path);
+std::vector<std::string> convert_target_names() {
+  std::vector<std::string> names = log_target_names();
+  names.insert(names.end(), {"g2o", "map"});
+  return names;
 }
-std::unique_ptr<LogWriter> make_g2o_writer(const std::string& path) {
-  return std::make_unique<G2oWriter>(path);
+
+std::string convert_target_for(const std::string& path) {
+  for (const Ending& ending : kEndings) {
+    if (path.ends_with(ending.ending)) return std::string(ending.target);
+  }
+  if (const auto target = find_log_target(path)) return log_target_names()[static_cast<std::size_t>(*target)];
+  std::string known = log_endings();
+  for (const Ending& ending : kEndings) known += ", " + std::string(ending.ending);
+  throw InputError(path, 0, "the name does not tell the format; expected one ending in " + known + ", or --to");
 }
-std::unique_ptr<LogWriter> make_map_writer(const std::string& path) {
-  return std::make_unique<MapWriter>(path);
+
+std::unique_ptr<LogWriter> make_convert_writer(const std::string& target, const std::string& path) {
+  if (target == "g2o") return std::make_unique<G2oWriter>(path);
+  if (target == "map") return std::make_unique<MapWriter>(path);
+  const auto& names = log_target_names();
+  const auto found = std::find(names.begin(), names.end(), target);
+  if (found == names.end()) throw std::invalid_argument("target: '" + target + "' is not one of convert's");
+  return make_log_writer(static_cast<LogTarget>(found - names.begin()), path);
 }
 
 }  // namespace phasescan
