@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
@@ -148,6 +149,8 @@ int run_slam(const SlamFlags& flags) {
   return code;
 }
 
+}  // namespace
+
 void add_slam_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("slam", "a trajectory and a map from a log");
   auto flags = std::make_shared<SlamFlags>();
@@ -171,7 +174,4 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_slam(*flags); }; });
 }
 
-const CommandRegistration kSlam{30, add_slam_command};
-
-}  // namespace
 }  // namespace phasescan::app
