@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "io/config.hpp"
+#include "config/config.hpp"
 #include "phasescan/match/scan_matcher.hpp"
 #include "support/rooms.hpp"
 #include "support/paths.hpp"
