@@ -5,9 +5,9 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-CORE = ["core", "scan", "image", "spectrum", "rotation", "translation", "refine", "match", "odometry", "graph", "map", "slam"]
+CORE = ["core", "scan", "refine", "match", "odometry", "graph", "map", "slam"]
 # Around the core, never included by it; each may include what stands before it.
-AROUND = ["io", "sim", "report", "eval"]
+AROUND = ["fft_icp", "methods", "io", "sim", "report", "eval"]
 ORDER = CORE + AROUND
 INCLUDE = re.compile(r'#include "(?:phasescan/)?([a-z0-9_]+)/')
 

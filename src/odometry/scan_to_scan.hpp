@@ -32,7 +32,7 @@ class ScanToScan {
 
   /// Whether a scan of that laser is remembered.
   bool knows(const LaserMount& mount) const;
-  /// The pose of a scan by a global match (fft-mh) against the last one of the same laser, else of another that sees
+  /// The pose of a scan by a global match (global) against the last one of the same laser, else of another that sees
   /// the world the same way up; empty where there is not even a guess.
   /// @param twist  of the base during the scan, as far as it is known
   /// @cost one match, about 0.1 ms
