@@ -31,7 +31,7 @@ class ScanToScan {
 
   /// Whether a scan of that laser is remembered.
   bool knows(const LaserId& laser) const;
-  /// The pose of a scan by a global match (fft-mh) against the last one of the same laser, else the latest of
+  /// The pose of a scan by the default matcher against the last one of the same laser, else the latest of
   /// another; empty where there is not even a guess. Each scan counts with the mounting it was taken with.
   /// @param twist  of the base during the scan, as far as it is known
   /// @cost one match, about 0.1 ms

@@ -30,7 +30,7 @@ struct OdometryStep {
   bool tracked = false;  ///< false: no match was found, the pose is a prediction
   bool is_keyframe = false;
   bool searched = false;     ///< the wide search was needed
-  bool caught = false;       ///< it was the full search (fft-mh) against the last good scan that found the pose
+  bool caught = false;       ///< it was the full search (global) against the last good scan that found the pose
   bool new_segment = false;  ///< the local map was begun anew: nothing ties this pose to those before but a prediction
   double overlap = 0.0;      ///< share of hits on the local map's surfaces
   double residual_m = 0.0;
