@@ -65,12 +65,12 @@ void feed(LogReader& reader, Slam& slam, InputCheck& check, const SlamFlags& fla
     const double cpu = thread_cpu_seconds(), wall = wall_seconds();
     float overlap = 0.0F;
     if (fresh) {
-      const OdometryStep step = slam.add(measurement);
-      overlap = static_cast<float>(step.overlap);
-      run.tracked += step.tracked;
-      run.searched += step.searched;
-      run.caught += step.caught;
-      run.new_segments += step.new_segment;
+      const TrackerStep step = slam.add(measurement);
+      overlap = static_cast<float>(step.diagnostics.overlap);
+      run.tracked += step.tracked();
+      run.searched += step.diagnostics.wide_search;
+      run.caught += step.diagnostics.full_search;
+      run.new_segments += step.diagnostics.new_segment;
       run.usable += measurement.scan.hit_count() > 0;
     } else {
       slam.repeat(measurement);
