@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "core/parallel.hpp"
 #include "phasescan/io/error.hpp"
@@ -140,6 +141,8 @@ int simulate_drive(const SimulateFlags& flags) {
   return kDone;
 }
 
+}  // namespace
+
 void add_simulate_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("simulate", "makes logs with their truth, or pairs files, in simulated worlds");
   auto flags = std::make_shared<SimulateFlags>();
@@ -185,7 +188,4 @@ void add_simulate_command(CLI::App& app, CommandBody& body) {
   });
 }
 
-const CommandRegistration kSimulate{30, add_simulate_command};
-
-}  // namespace
 }  // namespace phasescan::app

@@ -2,7 +2,7 @@
 set(PHASESCAN_ALL_COMPONENTS match fft_icp slam io)
 set(PHASESCAN_NEEDS_fft_icp match)
 set(PHASESCAN_NEEDS_slam match)
-set(PHASESCAN_NEEDS_io match fft_icp slam)  # its configuration file names all their options
+set(PHASESCAN_NEEDS_io match)
 
 set(PHASESCAN_COMPONENTS "match;fft_icp;slam;io" CACHE STRING "Libraries to build: match, fft_icp, slam, io; what they stand on comes along")
 set(wanted "")

@@ -30,8 +30,12 @@ if("io" IN_LIST PHASESCAN_BUILT)
   find_package(ZLIB REQUIRED)
   find_package(BZip2 REQUIRED)
   find_package(SQLite3 REQUIRED)
-  find_package(PNG REQUIRED)
   pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET GLOBAL liblz4)
   pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET GLOBAL libzstd)
   find_package(fmt REQUIRED)
+endif()
+
+# The command's reports and maps.
+if(PHASESCAN_COMPLETE)
+  find_package(PNG REQUIRED)
 endif()

@@ -2,7 +2,7 @@
 #include <stdexcept>
 
 #include "eval/bench.hpp"
-#include "io/option_table.hpp"
+#include "config/option_table.hpp"
 
 namespace phasescan {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "eval/paper_kit.hpp"
 #include "phasescan/core/angle.hpp"
-#include "io/config.hpp"
+#include "config/config.hpp"
 #include "sim/pairs_spec.hpp"
 #include "sim/embedded.hpp"
 

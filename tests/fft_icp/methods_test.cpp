@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "io/config.hpp"
+#include "config/config.hpp"
 #include "phasescan/fft_icp/fft_icp.hpp"
 #include "support/rooms.hpp"
 #include "support/paths.hpp"

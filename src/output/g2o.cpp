@@ -1,4 +1,4 @@
-#include "io/g2o.hpp"
+#include "output/g2o.hpp"
 
 #include "io/number.hpp"
 

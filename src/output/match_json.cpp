@@ -1,4 +1,4 @@
-#include "io/match_json.hpp"
+#include "output/match_json.hpp"
 
 #include <cmath>
 

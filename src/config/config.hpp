@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "io/option_table.hpp"
+#include "config/option_table.hpp"
 #include "methods/any_options.hpp"
 #include "phasescan/slam/options.hpp"
 

@@ -1,4 +1,4 @@
-#include "io/map_file.hpp"
+#include "output/map_file.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

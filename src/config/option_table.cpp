@@ -1,6 +1,4 @@
-#include "io/option_table.hpp"
-
-#include <yaml-cpp/yaml.h>
+#include "config/option_table.hpp"
 
 #include <algorithm>
 #include <map>
@@ -8,6 +6,7 @@
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
 #include "io/number.hpp"
+#include "io/yaml.hpp"
 
 namespace phasescan {
 namespace detail {
@@ -126,18 +125,11 @@ std::vector<std::string> OptionTable::sections() const {
 }
 
 void OptionTable::load_file(const std::string& path) {
-  load_text(read_file(path, std::size_t{1} << 24), path);
+  load_text(read_file(path, YamlBounds().bytes), path);
 }
 
 void OptionTable::load_text(const std::string& yaml, const std::string& file) {
-  YAML::Node root;
-  try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(yaml);
-    if (documents.size() > 1) throw InputError(file, line_of(documents[1]), "a second document; expected one");
-    if (!documents.empty()) root.reset(documents.front());
-  } catch (const YAML::Exception& error) {
-    throw InputError(file, error.mark.is_null() ? 1 : error.mark.line + 1, "is not YAML: " + error.msg);
-  }
+  const YAML::Node root = parse_yaml(yaml, file);
   if (root.IsNull()) return;
   if (!root.IsMap()) throw InputError(file, line_of(root), "is no map; expected section: {option: value}");
   std::map<std::string, long> seen;  // section, section.option: its line

@@ -1,8 +1,7 @@
-#include "io/map_file.hpp"
+#include "output/map_file.hpp"
 
 #include <fmt/format.h>
 #include <png.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cctype>
@@ -11,6 +10,7 @@
 
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
+#include "io/yaml.hpp"
 
 namespace phasescan {
 namespace {
@@ -158,13 +158,7 @@ std::string format_png(const TrinaryMap& map, std::span<const MapPaint> paints) 
 }
 
 TrinaryMap read_map(const std::string& yaml_path, bool* unknown_reads_as_free) {
-  YAML::Node yaml;
-  const std::string text = read_file(yaml_path, std::size_t{1} << 20);
-  try {
-    yaml = YAML::Load(text);
-  } catch (const YAML::Exception& e) {
-    throw InputError(yaml_path, e.mark.line + 1, "not YAML: " + e.msg);
-  }
+  const YAML::Node yaml = read_yaml(yaml_path);
   if (!yaml.IsMap()) throw InputError(yaml_path, 0, "expected a map_server yaml with image, resolution, origin");
   TrinaryMap map;
   map.resolution_m = yaml_value<double>(yaml, "resolution", yaml_path);
