@@ -35,7 +35,7 @@ if("io" IN_LIST PHASESCAN_BUILT)
   find_package(fmt REQUIRED)
 endif()
 
-# Pictures of maps.
+# The command's reports and maps.
 if(PHASESCAN_COMPLETE)
   find_package(PNG REQUIRED)
 endif()
