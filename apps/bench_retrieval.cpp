@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
 #include "eval/place_fit.hpp"
@@ -127,6 +128,8 @@ int run_retrieval(const RetrievalFlags& flags) {
   return kDone;
 }
 
+}  // namespace
+
 void add_retrieval_command(CLI::App& app, CommandBody& body) {
   auto* bench = app.get_subcommand("bench");
   bench->require_subcommand(0, 1);
@@ -156,7 +159,4 @@ void add_retrieval_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_retrieval(*flags); }; });
 }
 
-const CommandRegistration kRetrieval{31, add_retrieval_command};
-
-}  // namespace
 }  // namespace phasescan::app

@@ -1,4 +1,5 @@
 // phasescan bench scaling: how the time of a match grows with beams and with the size of the place.
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "eval/scaling.hpp"
 #include "io/file.hpp"
@@ -33,6 +34,8 @@ int run_scaling(const ScalingFlags& flags) {
   return kDone;
 }
 
+}  // namespace
+
 void add_scaling_command(CLI::App& app, CommandBody& body) {
   auto* command = app.get_subcommand("bench")->add_subcommand(
       "scaling", "time against beams and range: scaling.md with fitted exponents, scaling.svg");
@@ -52,7 +55,4 @@ void add_scaling_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_scaling(*flags); }; });
 }
 
-const CommandRegistration kScaling{32, add_scaling_command};
-
-}  // namespace
 }  // namespace phasescan::app

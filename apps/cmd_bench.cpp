@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "eval/bench_report.hpp"
 #include "io/file.hpp"
@@ -106,6 +107,8 @@ int run_bench_command(const BenchFlags& flags) {
   return kDone;
 }
 
+}  // namespace
+
 void add_bench_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("bench", "success, honesty, accuracy and time per method, class and dataset");
   auto flags = std::make_shared<BenchFlags>();
@@ -145,7 +148,4 @@ void add_bench_command(CLI::App& app, CommandBody& body) {
   });
 }
 
-const CommandRegistration kBench{30, add_bench_command};
-
-}  // namespace
 }  // namespace phasescan::app

@@ -1,6 +1,7 @@
 // phasescan convert IN OUT: from any readable log format to any writable one.
 #include <memory>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/odometry_source.hpp"
@@ -43,6 +44,8 @@ int run_convert(const ConvertFlags& flags) {
   return code;
 }
 
+}  // namespace
+
 void add_convert_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("convert", "a log in another format");
   auto flags = std::make_shared<ConvertFlags>();
@@ -56,7 +59,4 @@ void add_convert_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_convert(*flags); }; });
 }
 
-const CommandRegistration kConvert{61, add_convert_command};
-
-}  // namespace
 }  // namespace phasescan::app

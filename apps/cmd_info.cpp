@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "eval/log_doctor.hpp"
 #include "phasescan/io/error.hpp"
@@ -58,6 +59,8 @@ int run_info(const InfoFlags& flags) {
   return fail(InputError(flags.log, 0, "holds no usable scan; expected at least one with a hit").what(), kAnswerIsNo);
 }
 
+}  // namespace
+
 void add_info_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("info", "what a log holds and what is wrong with it");
   auto flags = std::make_shared<InfoFlags>();
@@ -67,7 +70,4 @@ void add_info_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_info(*flags); }; });
 }
 
-const CommandRegistration kInfo{60, add_info_command};
-
-}  // namespace
 }  // namespace phasescan::app

@@ -5,6 +5,7 @@
 #include <optional>
 #include <thread>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
@@ -154,6 +155,8 @@ int run_match(const MatchFlags& flags) {
   return two ? match_two(flags, options, hints) : match_pairs(flags, options, hints);
 }
 
+}  // namespace
+
 void add_match_command(CLI::App& app, CommandBody& body) {
   auto* command =
       app.add_subcommand("match", "the pose of one scan in another: T_ref_scan, with how far it can be trusted");
@@ -176,7 +179,4 @@ void add_match_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_match(*flags); }; });
 }
 
-const CommandRegistration kMatch{10, add_match_command};
-
-}  // namespace
 }  // namespace phasescan::app

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/pairs.hpp"
@@ -154,6 +155,8 @@ int simulate_drive(const SimulateFlags& flags) {
   return kDone;
 }
 
+}  // namespace
+
 void add_simulate_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("simulate", "makes logs with their truth, or pairs files, in simulated worlds");
   auto flags = std::make_shared<SimulateFlags>();
@@ -199,7 +202,4 @@ void add_simulate_command(CLI::App& app, CommandBody& body) {
   });
 }
 
-const CommandRegistration kSimulate{30, add_simulate_command};
-
-}  // namespace
 }  // namespace phasescan::app

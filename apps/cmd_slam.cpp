@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <optional>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
+#include "io/measurement.hpp"
 #include "io/odometry_source.hpp"
 #include "slam_mcap.hpp"
 #include "slam_output.hpp"
@@ -52,24 +54,25 @@ void feed(JudgedLog& log, Slam& slam, InputCheck& check, const SlamFlags& flags,
   while (!InterruptGuard::interrupted()) {
     std::optional<LogEntry> entry = log.next();
     if (!entry) return;
-    const LaserMount mount{entry->T_base_laser, entry->flipped};
-    if (slam.records().empty()) run.mount = mount;
+    if (slam.records().empty()) run.T_base_laser = entry->T_base_laser, run.flipped = entry->flipped;
     if (flags.range_max > 0.0 || flags.beam_step > 1)
       entry->scan = reduce_scan(entry->scan, flags.range_max, flags.beam_step);
     const bool fresh =
         check.add(entry->scan, entry->laser, entry->odometry, flags.log + ":" + std::to_string(entry->line));
+    RangeMeasurement measurement = to_measurement(std::move(*entry));
+    if (!run.odometry_used) measurement.T_odom_base.reset();
     const double cpu = thread_cpu_seconds(), wall = wall_seconds();
     float overlap = 0.0F;
     if (fresh) {
-      const OdometryStep step = slam.add(entry->scan, mount, run.odometry_used ? entry->odometry : std::nullopt);
+      const OdometryStep step = slam.add(measurement);
       overlap = static_cast<float>(step.overlap);
       run.tracked += step.tracked;
       run.searched += step.searched;
       run.caught += step.caught;
       run.new_segments += step.new_segment;
-      run.usable += entry->scan.hit_count() > 0;
+      run.usable += measurement.scan.hit_count() > 0;
     } else {
-      slam.repeat(entry->scan, mount);
+      slam.repeat(measurement);
       overlap = run.overlap.empty() ? 0.0F : run.overlap.back();
     }
     const double spent = thread_cpu_seconds() - cpu;
@@ -142,6 +145,8 @@ int run_slam(const SlamFlags& flags) {
   return code;
 }
 
+}  // namespace
+
 void add_slam_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("slam", "a trajectory and a map from a log");
   auto flags = std::make_shared<SlamFlags>();
@@ -165,7 +170,4 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_slam(*flags); }; });
 }
 
-const CommandRegistration kSlam{30, add_slam_command};
-
-}  // namespace
 }  // namespace phasescan::app

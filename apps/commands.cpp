@@ -19,11 +19,6 @@
 namespace phasescan::app {
 namespace {
 
-std::vector<std::pair<int, AddCommand>>& registry() {
-  static std::vector<std::pair<int, AddCommand>> commands;
-  return commands;
-}
-
 std::atomic<int> stop_signal{0}, guards{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 
@@ -38,18 +33,6 @@ extern "C" void stop(int signal_number) {
 }
 
 }  // namespace
-
-CommandRegistration::CommandRegistration(int order, AddCommand add) {
-  registry().emplace_back(order, add);
-}
-
-std::vector<AddCommand> registered_commands() {
-  auto sorted = registry();
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<AddCommand> out;
-  for (const auto& [order, add] : sorted) out.push_back(add);
-  return out;
-}
 
 void add_config_flag(CLI::App& command, CommonFlags& flags) {
   command.add_option("--config", flags.config, "YAML file with options (see `phasescan config --dump`)")

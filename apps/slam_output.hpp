@@ -29,7 +29,8 @@ struct SlamRun {
   double total_cpu_s = 0.0, total_wall_s = 0.0;
   std::map<std::string, std::size_t> damages;  ///< of the reader, by kind
   const InputCheck* check = nullptr;
-  LaserMount mount;  ///< of the first laser
+  Pose2 T_base_laser;    ///< of the first scan
+  bool flipped = false;  ///< that laser is mounted upside down
 };
 
 /// The map as a robot should read it, and what is glass or black in it.

@@ -60,7 +60,7 @@ void BM_TrackScan(benchmark::State& state) {
   const Fixture& f = fixture();
   for (auto _ : state) {
     Odometry odometry;
-    for (const Scan& scan : f.scans) benchmark::DoNotOptimize(odometry.add(scan, {}, std::nullopt));
+    for (const Scan& scan : f.scans) benchmark::DoNotOptimize(odometry.add({scan}));
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * static_cast<std::int64_t>(f.scans.size()));
 }

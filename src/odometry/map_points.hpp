@@ -9,21 +9,6 @@
 
 namespace phasescan {
 
-/// Where a laser sits on the robot.
-struct LaserMount {
-  Pose2 T_base_laser;
-  bool flipped = false;  ///< upside down: the laser's y axis points to the robot's right
-
-  bool operator==(const LaserMount&) const = default;
-
-  /// Takes a point of the laser's frame into that of the base.
-  Eigen::Vector2d to_base(const Eigen::Vector2d& p) const {
-    return T_base_laser * Eigen::Vector2d(p.x(), flipped ? -p.y() : p.y());
-  }
-  /// Motion of the laser, in its own frame, while the base moves with `base`.
-  Twist2 laser_twist(const Twist2& base) const;
-};
-
 /// Hits, structure of arrays, in the frame of the base. Those on a fitted line have a normal and count across it; lone
 /// hits have the normal (0, 0) and count in both directions.
 struct MapPoints {
@@ -49,7 +34,7 @@ inline constexpr WallLines kTrackingLines{1.0, 2.0, 4.0};
 /// a grazing angle, too sparse for a fitted line, get the normal of the line through their neighbours: by themselves
 /// they would look like things that move with the sensor.
 /// @param beams  if given: of each point, the index into the scan
-void to_map_points(const SurfacePoints& surface, const LaserMount& mount, double max_range_m, MapPoints& out,
+void to_map_points(const SurfacePoints& surface, const Pose2& T_base_laser, double max_range_m, MapPoints& out,
                    std::vector<int>* beams = nullptr);
 
 }  // namespace phasescan

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/motion.hpp"
 #include "odometry/information.hpp"
 
 namespace phasescan {
@@ -31,30 +32,30 @@ Odometry::Odometry(const OdometryOptions& options) : options_(options) {
   validate_options("odometry", options_);
 }
 
-void Odometry::extract(const Scan& scan, const LaserMount& mount, const Twist2& twist, double duration_s) {
+void Odometry::extract(const Scan& scan, const Pose2& T_base_laser, const Twist2& twist, double duration_s) {
   const Twist2 used = options_.deskew && duration_s > 0.0 ? twist : Twist2{};
   // Scans that stand far apart meet as two scans do, and not as a scan meets the map of those just before it.
-  find_surface(scan, mount.laser_twist(used), surface_work_, surface_,
+  find_surface(scan, twist_of_frame(T_base_laser, used), surface_work_, surface_,
                steadiness_.jumps() ? WallLines{} : kTrackingLines);
   // The points are expressed at the stamp; the middle of the turn is where the twist's error matters least.
-  LaserMount at_mid = mount;
-  at_mid.T_base_laser = exp_twist(used, middle_s(scan, duration_s)).inverse() * mount.T_base_laser;
+  const Pose2 T_mid_laser = exp_twist(used, middle_s(scan, duration_s)).inverse() * T_base_laser;
   all_points_ = std::make_shared<MapPoints>();
-  to_map_points(surface_, at_mid, options_.map_range_m, *all_points_, &beams_);
+  to_map_points(surface_, T_mid_laser, options_.map_range_m, *all_points_, &beams_);
   // Where scans stand far apart nothing is seen often enough to show that it stays.
   if (steadiness_.jumps()) std::fill(all_points_->small.begin(), all_points_->small.end(), std::uint8_t{0});
   choose_points();
 }
 
-OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& wheel) {
+OdometryStep Odometry::add(const RangeMeasurement& measurement) {
+  const Scan& scan = measurement.scan;
   OdometryStep step;
   const ScanTiming timing = clock_.add(scan);
   steadiness_.set_period(timing.period_s);
-  std::optional<Pose2> wheel_step = options_.use_wheels ? wheels_.step(wheel) : std::nullopt;
+  std::optional<Pose2> wheel_step = options_.use_wheels ? wheels_.step(measurement.T_odom_base) : std::nullopt;
   const double seconds = timing.period_s * timing.periods;  // 0: not known
   Twist2 twist = twist_;
   if (wheel_step && wheels_.trust_turn() >= kLeastTrust && seconds > 0.0) twist.omega = wheel_step->theta / seconds;
-  extract(scan, mount, twist, timing.duration_s);
+  extract(scan, measurement.T_base_laser, twist, timing.duration_s);
 
   if (!started_) {
     started_ = points_->with_normal >= kMinPoints;
@@ -62,9 +63,9 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
       step.tracked = true;
       step.overlap = 1.0;
       insert_keyframe(step);
-      last_scan_.remember(without_people(scan), mount, T_odom_mid_, {});
+      last_scan_.remember(without_people(measurement), T_odom_mid_, {});
       if (options_.deskew && timing.duration_s > 0.0)
-        first_ = First{scan, mount, timing.duration_s, all_points_, points_};
+        first_ = First{measurement, timing.duration_s, all_points_, points_};
     }
     return step;
   }
@@ -77,8 +78,8 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   const Pose2 predicted = predict(wheel_step, timing.periods, &score);
   // A laser heard for the first time may look where no other did. Its half of a room fits another's after half a turn:
   // the way so far says where it is.
-  const bool new_laser = !last_scan_.knows(mount) && untracked_ == 0 && !timing.gap && !steadiness_.jumps() &&
-                         points_->with_normal >= kMinPoints;
+  const bool new_laser = !last_scan_.knows(measurement.laser) && untracked_ == 0 && !timing.gap &&
+                         !steadiness_.jumps() && points_->with_normal >= kMinPoints;
   // Robots keep on doing what they did.
   Pose2 mean = exp_twist(log_pose(options_.motion_habits ? habits_.expect(step_) : step_), timing.periods);
   if (!new_laser) mean.theta = predicted.theta;
@@ -103,14 +104,14 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
   } else if (points_->with_normal >= kMinPoints) {
     // Where the scan's points are expressed, seen from its stamp.
     const Pose2 T_stamp_mid = exp_twist(options_.deskew ? twist : Twist2{}, middle_s(scan, timing.duration_s));
-    found = match(ask_last_scan(scan, mount, twist, T_stamp_mid), found.T_map_base, timing.periods, prior, step);
+    found = match(ask_last_scan(measurement, twist, T_stamp_mid), found.T_map_base, timing.periods, prior, step);
     if (options_.deskew && timing.duration_s > 0.0 && seconds > 0.0) {
       // The motion found says how the scan was bent: once more, unbent.
       const Twist2 better = log_pose((T_map_odom * T_odom_mid_).inverse() * found.T_map_base);
       const Twist2 now{better.vx / seconds, better.vy / seconds, better.omega / seconds};
       const double change = std::hypot(now.vx - twist.vx, now.vy - twist.vy) + 2.0 * std::abs(now.omega - twist.omega);
       if (change * timing.duration_s > kBentM) {
-        extract(scan, mount, now, timing.duration_s);
+        extract(scan, measurement.T_base_laser, now, timing.duration_s);
         RegistrationOptions again;
         again.gate_start_m = 0.15;
         found = register_points(map_, *points_, found.T_map_base, again, prior);
@@ -176,7 +177,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     step.T_odom_stamp = T_odom_mid_;
   }
 
-  if (step.tracked) last_scan_.remember(without_people(scan), mount, step.T_odom_stamp, twist_);
+  if (step.tracked) last_scan_.remember(without_people(measurement), step.T_odom_stamp, twist_);
 
   const bool enough = points_->with_normal >= kMinPoints;
   // Where scans jump, the next ones share less and less with the map that lost this one.
@@ -187,7 +188,7 @@ OdometryStep Odometry::add(const Scan& scan, const LaserMount& mount, const std:
     window_.clear();
     insert_keyframe(step);
     last_scan_.forget();
-    last_scan_.remember(without_people(scan), mount, step.T_odom_stamp, twist_);
+    last_scan_.remember(without_people(measurement), step.T_odom_stamp, twist_);
     untracked_ = 0;
   } else if (step.tracked && enough) {
     const Pose2 since = window_.back().T_odom_base.inverse() * T_odom_mid_;
@@ -235,13 +236,13 @@ void Odometry::unbend_first(const Twist2& twist, OdometryStep& step) {
   // The first scan stands with its stamp at the origin, as all others stand with theirs.
   const std::shared_ptr<MapPoints> last = all_points_, last_chosen = points_;
   const std::vector<int> last_left_out = left_out_;
-  extract(first_->scan, first_->mount, twist, first_->duration_s);
+  extract(first_->measurement.scan, first_->measurement.T_base_laser, twist, first_->duration_s);
   *first_->all_points = *all_points_;
   *first_->points = *points_;
   all_points_ = last;
   points_ = last_chosen;
   left_out_ = last_left_out;
-  T_odom_mid_ = exp_twist(twist, middle_s(first_->scan, first_->duration_s));
+  T_odom_mid_ = exp_twist(twist, middle_s(first_->measurement.scan, first_->duration_s));
   window_.front().T_odom_base = T_odom_mid_;
   step.T_odom_first = T_odom_mid_;
   rebuild_map();

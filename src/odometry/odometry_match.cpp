@@ -55,21 +55,21 @@ void Odometry::choose_points() {
   for (const std::size_t i : chosen_) points_->append(all, i);
 }
 
-Scan Odometry::without_people(const Scan& scan) const {
-  Scan left = scan;
+RangeMeasurement Odometry::without_people(const RangeMeasurement& measurement) const {
+  RangeMeasurement left = measurement;
   // Where small things are much of what there is, they are furniture.
   if (static_cast<double>(left_out_.size()) > kMostPeople * static_cast<double>(all_points_->size())) return left;
   for (const int beam : left_out_) {
     const auto i = static_cast<std::size_t>(beam);
-    left.ranges[i] = std::numeric_limits<float>::quiet_NaN();
-    left.states[i] = BeamState::kInvalid;
+    left.scan.ranges[i] = std::numeric_limits<float>::quiet_NaN();
+    left.scan.states[i] = BeamState::kInvalid;
   }
   return left;
 }
 
-std::optional<Odometry::LastScanWitness> Odometry::ask_last_scan(const Scan& scan, const LaserMount& mount,
+std::optional<Odometry::LastScanWitness> Odometry::ask_last_scan(const RangeMeasurement& measurement,
                                                                  const Twist2& twist, const Pose2& T_stamp_mid) {
-  const std::optional<ScanToScan::Found> found = last_scan_.find(without_people(scan), mount, twist);
+  const std::optional<ScanToScan::Found> found = last_scan_.find(without_people(measurement), twist);
   if (!found) return std::nullopt;
   const Pose2& T_odom_map = map_.T_world_map();
   return LastScanWitness{T_odom_map.inverse() * (found->T_odom_base * T_stamp_mid),

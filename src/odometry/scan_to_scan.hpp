@@ -7,8 +7,7 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/match/scan_matcher.hpp"
-#include "odometry/map_points.hpp"
-#include "phasescan/scan/scan.hpp"
+#include "phasescan/scan/range_measurement.hpp"
 
 namespace phasescan {
 
@@ -28,25 +27,24 @@ class ScanToScan {
   /// Forgets all scans: what comes next is not tied to them.
   void forget() { views_.clear(); }
   /// @param twist  of the base during the scan
-  void remember(Scan scan, const LaserMount& mount, const Pose2& T_odom_stamp, const Twist2& twist);
+  void remember(RangeMeasurement measurement, const Pose2& T_odom_stamp, const Twist2& twist);
 
   /// Whether a scan of that laser is remembered.
-  bool knows(const LaserMount& mount) const;
-  /// The pose of a scan by a global match (fft-mh) against the last one of the same laser, else of another that sees
-  /// the world the same way up; empty where there is not even a guess.
+  bool knows(const LaserId& laser) const;
+  /// The pose of a scan by a global match (fft-mh) against the last one of the same laser, else the latest of
+  /// another; empty where there is not even a guess. Each scan counts with the mounting it was taken with.
   /// @param twist  of the base during the scan, as far as it is known
   /// @cost one match, about 0.1 ms
-  std::optional<Found> find(const Scan& scan, const LaserMount& mount, const Twist2& twist);
+  std::optional<Found> find(const RangeMeasurement& measurement, const Twist2& twist);
 
  private:
   struct View {
-    Scan scan;
-    LaserMount mount;
+    RangeMeasurement measurement;
     Pose2 T_odom_stamp;
     Twist2 twist;
     double certain_share = 1.0;  // of the matches lately
   };
-  View* view_of(const LaserMount& mount);
+  View* view_of(const LaserId& laser);
 
   ScanMatcher matcher_;
   std::vector<View> views_;  // the latest last

@@ -47,7 +47,7 @@ class MapWriter final : public PoseWriter {
 
  protected:
   void add_pose(const LogEntry& entry, const Pose2& T_odom_base) override {
-    grid_.add_scan(entry.scan, T_odom_base * entry.T_base_laser, entry.flipped);
+    grid_.add_scan(entry.flipped ? mirrored_scan(entry.scan) : entry.scan, T_odom_base * entry.T_base_laser);
   }
   void write() override {
     const TrinaryMap map = make_trinary(grid_);

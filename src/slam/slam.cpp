@@ -5,6 +5,7 @@
 #include <future>
 #include <span>
 
+#include "core/motion.hpp"
 #include "slam/polish.hpp"
 
 namespace phasescan {
@@ -39,9 +40,10 @@ const Backend& Slam::backend() const {
   return *backend_;
 }
 
-OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& odometry) {
+OdometryStep Slam::add(const RangeMeasurement& measurement) {
+  const Scan& scan = measurement.scan;
   backend_cpu_s_ = 0.0;
-  const OdometryStep step = odometry_.add(scan, mount, odometry);
+  const OdometryStep step = odometry_.add(measurement);
   if (step.T_odom_first && !batch_.empty()) {
     Keyframe& first = batch_.front();
     first.T_mid_stamp = step.T_odom_first->inverse() * (first.T_odom_base * first.T_mid_stamp);
@@ -65,7 +67,8 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
     if (step.new_segment) breaks_.push_back(keyframes_);
     keyframe.scan = static_cast<std::int64_t>(records_.size());
     keyframe.stored = store_.size();
-    keyframe.mount = mount;
+    keyframe.laser = measurement.laser;
+    keyframe.T_base_laser = measurement.T_base_laser;
     if (options_.slam.bounded_memory) keyframe.own_scan = std::make_shared<const Scan>(scan);
     keyframe.twist = step.twist;
     keyframe.T_mid_stamp = step.T_odom_mid.inverse() * step.T_odom_stamp;
@@ -79,18 +82,19 @@ OdometryStep Slam::add(const Scan& scan, const LaserMount& mount, const std::opt
   const Pose2 relative = T_odom_keyframe_.inverse() * step.T_odom_stamp;
   records_.push_back({scan.stamp, keyframes_ - 1, static_cast<float>(relative.x), static_cast<float>(relative.y),
                       static_cast<float>(relative.theta)});
-  if (!options_.slam.bounded_memory && (step.is_keyframe || options_.slam.polish)) store_.add(scan, mount);
+  if (!options_.slam.bounded_memory && (step.is_keyframe || options_.slam.polish))
+    store_.add(scan, measurement.T_base_laser);
   // The first keyframe waits for the next scan, which may still unbend it.
   const bool may_change = step.is_keyframe && keyframes_ == 1;
   if (!may_change && batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
   return step;
 }
 
-void Slam::repeat(const Scan& scan, const LaserMount& mount) {
+void Slam::repeat(const RangeMeasurement& measurement) {
   backend_cpu_s_ = 0.0;
   records_.push_back(records_.empty() ? ScanRecord{} : records_.back());
-  records_.back().stamp = scan.stamp;
-  if (options_.slam.polish && !options_.slam.bounded_memory) store_.add(scan, mount);
+  records_.back().stamp = measurement.scan.stamp;
+  if (options_.slam.polish && !options_.slam.bounded_memory) store_.add(measurement.scan, measurement.T_base_laser);
 }
 
 void Slam::hand_over() {
@@ -131,15 +135,12 @@ std::optional<Pose2> Slam::pose_on_map(std::size_t scan) const {
 PlacedScan Slam::placed_keyframe(std::size_t i) const {
   const bool polished = !records_.empty() && polished_.size() == records_.size();
   const Keyframe& keyframe = backend().keyframes()[i];
-  const LaserMount& mount = keyframe.mount;
   const Pose2 T_map_stamp =
       polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend().poses()[i] * keyframe.T_mid_stamp;
   PlacedScan placed;
   placed.scan = keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored);
-  placed.T_map_laser = T_map_stamp * mount.T_base_laser;
-  placed.flipped = mount.flipped;
-  placed.twist = options_.odometry.deskew ? mount.laser_twist(keyframe.twist) : Twist2{};
-  if (mount.flipped) placed.twist = {placed.twist.vx, -placed.twist.vy, -placed.twist.omega};
+  placed.T_map_laser = T_map_stamp * keyframe.T_base_laser;
+  placed.twist = options_.odometry.deskew ? twist_of_frame(keyframe.T_base_laser, keyframe.twist) : Twist2{};
   return placed;
 }
 
@@ -174,7 +175,7 @@ OccupancyGrid Slam::render_map() const {
   OccupancyGrid grid(options_.map);
   for (const std::size_t i : drawn_keyframes()) {
     const PlacedScan placed = placed_keyframe(i);
-    grid.add_scan(placed.scan, placed.T_map_laser, placed.flipped, placed.twist);
+    grid.add_scan(placed.scan, placed.T_map_laser, placed.twist);
   }
   return grid;
 }

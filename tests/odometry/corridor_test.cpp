@@ -45,7 +45,7 @@ double worst_step(std::uint64_t seed, int from, int to) {
   for (int i = 0; i < to; ++i) {
     const auto scan = drive.next();
     if (!scan || i < from) continue;
-    const Pose2 now = odometry.add(scan->entry.scan, {}, std::nullopt).T_odom_stamp;
+    const Pose2 now = odometry.add({scan->entry.scan}).T_odom_stamp;
     if (i > from + 2)
       worst = std::max(worst, translation_distance(found.inverse() * now, truth.inverse() * scan->T_world_laser));
     found = now, truth = scan->T_world_laser;
@@ -72,8 +72,8 @@ Unseen drive_unseen(std::uint64_t seed) {
   Odometry odometry;
   Unseen out;
   for (int i = 0; i < 100; ++i) {
-    const OdometryStep step = odometry.add(
-        toy_scan(walls, {3.0 + 0.06 * i, 0, kPi}, lidar, random, stamp_from_seconds(kPeriod * i)), {}, std::nullopt);
+    const OdometryStep step =
+        odometry.add({toy_scan(walls, {3.0 + 0.06 * i, 0, kPi}, lidar, random, stamp_from_seconds(kPeriod * i))});
     out.off_m = std::abs(step.T_odom_mid.x + 0.06 * i);
     // Of the way since the last keyframe.
     out.sigma_m = std::max(out.sigma_m, 1.0 / std::sqrt(std::max(1e-9, step.information(0, 0))));
@@ -103,7 +103,7 @@ double drive_past_niches(double depth, std::uint64_t seed, bool wheels) {
     x += std::min(0.05, 0.005 * i);
     const std::optional<Pose2> wheel = wheels ? std::optional<Pose2>({x, 0, 0}) : std::nullopt;
     const Scan scan = toy_scan(walls, {6.0 + x, 0, 0}, lidar, random, stamp_from_seconds(0.1 * i));
-    found = odometry.add(scan, {}, wheel).T_odom_mid.x;
+    found = odometry.add({scan, "", {}, wheel}).T_odom_mid.x;
   }
   return std::abs(found - x);
 }
@@ -125,8 +125,7 @@ double speed_up_in_a_hall(std::uint64_t seed) {
   double x = 0.0, speed = 0.05, worst = 0.0;
   for (int i = 0; i < 120; ++i) {
     if (i > 30) speed = std::min(0.2, speed + 0.04);
-    const OdometryStep step =
-        odometry.add(toy_scan(walls, {x, 0.3, 0}, lidar, random, stamp_from_seconds(0.1 * i)), {}, std::nullopt);
+    const OdometryStep step = odometry.add({toy_scan(walls, {x, 0.3, 0}, lidar, random, stamp_from_seconds(0.1 * i))});
     worst = std::max(worst, std::abs(step.T_odom_mid.x - x));
     x += speed;
   }
@@ -156,7 +155,7 @@ double set_off(double step_m, std::uint64_t seed) {
   for (int i = 0; i < 30; ++i) {
     if (i > 10) x += step_m;
     const Scan scan = toy_scan(corridor(), {6.0 + x, 0, 0}, lidar, random, stamp_from_seconds(0.1 * i));
-    found = odometry.add(scan, {}, Pose2{x, 0, 0}).T_odom_mid.x;
+    found = odometry.add({scan, "", {}, Pose2{x, 0, 0}}).T_odom_mid.x;
   }
   return std::abs(found - x);
 }

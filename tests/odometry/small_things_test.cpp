@@ -120,7 +120,7 @@ double led_by_somebody(std::uint64_t seed, bool wheels) {
     const double sway = 0.15 * std::sin(0.05 * i);
     add_square(now, x + 1.1 + sway, 0.3 * std::sin(0.03 * i), 0.2);
     const std::optional<Pose2> wheel = wheels ? std::optional<Pose2>({1.02 * (x - 1.5), 0, 0}) : std::nullopt;
-    step = odometry.add(toy_scan(now, {x, 0, 0}, lidar, random, stamp_from_seconds(0.1 * i)), {}, wheel);
+    step = odometry.add({toy_scan(now, {x, 0, 0}, lidar, random, stamp_from_seconds(0.1 * i)), "", {}, wheel});
     if (i + 1 < scans) x += std::min(0.05, 0.005 * i);
   }
   return std::abs(step.T_odom_mid.x - (x - 1.5));

@@ -17,7 +17,7 @@
 #include "odometry/scan_to_scan.hpp"
 #include "odometry/steadiness.hpp"
 #include "odometry/wheel_witness.hpp"
-#include "phasescan/scan/scan.hpp"
+#include "phasescan/scan/range_measurement.hpp"
 #include "scan/surface.hpp"
 
 namespace phasescan {
@@ -47,8 +47,8 @@ class Odometry {
   /// @throws std::invalid_argument naming the option out of bounds.
   explicit Odometry(const OdometryOptions& options = {});
 
-  /// The next scan, of any laser of the robot. @param wheel  T_odom_base of the wheels at the scan's stamp
-  OdometryStep add(const Scan& scan, const LaserMount& mount, const std::optional<Pose2>& wheel);
+  /// The next scan, of any laser of the robot.
+  OdometryStep add(const RangeMeasurement& measurement);
 
   /// The last scan's surface in the frame of the base at mid-scan, without small things of which it is not known that
   /// they stay; shared, so that keyframes cost no copy.
@@ -63,7 +63,7 @@ class Odometry {
     std::shared_ptr<const MapPoints> points;
     Pose2 T_odom_base;
   };
-  void extract(const Scan& scan, const LaserMount& mount, const Twist2& twist, double duration_s);
+  void extract(const Scan& scan, const Pose2& T_base_laser, const Twist2& twist, double duration_s);
   Pose2 predict(const std::optional<Pose2>& wheel_step, double periods, double* score) const;
   PosePrior make_prior(const Pose2& mean, Eigen::Matrix3d step_covariance, double periods) const;
   /// Where the match says little along one direction, the pose there is the one that all hits fit best.
@@ -74,14 +74,14 @@ class Odometry {
   Pose2 hear_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const;
   Eigen::Matrix3d grow_information(const Eigen::Matrix3d& matched, const Eigen::Matrix3d& known, const Pose2& moved);
   /// The scan as it is matched against the last one: without the small things that may be people.
-  Scan without_people(const Scan& scan) const;
+  RangeMeasurement without_people(const RangeMeasurement& measurement) const;
   /// A match in the frame of the map, where the scan's points are expressed.
   struct LastScanWitness {
     Pose2 T_map_mid;
     Eigen::Matrix3d covariance;
     bool usable = false, certain = false;
   };
-  std::optional<LastScanWitness> ask_last_scan(const Scan& scan, const LaserMount& mount, const Twist2& twist,
+  std::optional<LastScanWitness> ask_last_scan(const RangeMeasurement& measurement, const Twist2& twist,
                                                const Pose2& T_stamp_mid);
   /// What is expected, with what a match against the last scan says.
   PosePrior hear_last_scan(const PosePrior& prior, const LastScanWitness& last) const;
@@ -114,8 +114,7 @@ class Odometry {
   std::deque<WindowFrame> window_;
   bool started_ = false;
   struct First {
-    Scan scan;
-    LaserMount mount;
+    RangeMeasurement measurement;
     double duration_s = 0.0;
     std::shared_ptr<MapPoints> all_points, points;
   };

@@ -34,11 +34,11 @@ class Slam {
   explicit Slam(const SlamOptions& options = {}, int threads = 1);
   ~Slam();
 
-  /// The next laser message. @param odometry  T_odom_base of the wheels at the scan's stamp
-  OdometryStep add(const Scan& scan, const LaserMount& mount = {}, const std::optional<Pose2>& odometry = std::nullopt);
+  /// The next laser message.
+  OdometryStep add(const RangeMeasurement& measurement);
 
   /// A message that repeats the one before: it gets that one's pose and counts for nothing else.
-  void repeat(const Scan& scan, const LaserMount& mount = {});
+  void repeat(const RangeMeasurement& measurement);
 
   /// Ends the run: last loops, the full graph, and every scan matched once more against the finished map.
   void finish();
