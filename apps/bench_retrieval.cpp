@@ -9,7 +9,7 @@
 #include "phasescan/core/time.hpp"
 #include "eval/place_fit.hpp"
 #include "io/file.hpp"
-#include "phasescan/match/scan_matcher.hpp"
+#include "methods/any_matcher.hpp"
 #include "scan/points.hpp"
 #include "sim/places.hpp"
 #include "slam/place_check.hpp"
@@ -81,7 +81,7 @@ int run_retrieval(const RetrievalFlags& flags) {
   }
   std::size_t first = 0, among_ten = 0, asked = 0, found = 0, wrong = 0;
   std::vector<double> query_us;
-  ScanMatcher matcher(config_from(flags.common).match);
+  AnyMatcher matcher(config_from(flags.common).match);
   const std::size_t verify_stride = std::max<std::size_t>(1, queries.size() / std::max<std::size_t>(flags.verify, 1));
   for (std::size_t q = 0; q < queries.size(); ++q) {
     const double start = thread_cpu_seconds();

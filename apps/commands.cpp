@@ -47,10 +47,10 @@ void add_log_flags(CLI::App& command, LogOptions& options) {
 }
 
 void add_method_flags(CLI::App& command, CommonFlags& flags) {
-  command.add_option("--method", flags.method, "icp, ndt, fft, fft-icp1, fft-icp2 or fft-mh")
+  command.add_option("--method", flags.method, "icp, ndt, fft, fft-icp1, fft-icp2 or global")
       ->type_name("NAME")
       ->check(not_empty());
-  command.add_flag("--fast", flags.fast, "trade a little robustness for time (fft-mh)");
+  command.add_flag("--fast", flags.fast, "trade a little robustness for time (global)");
 }
 
 void add_threads_flag(CLI::App& command, CommonFlags& flags, int default_threads) {
@@ -113,7 +113,7 @@ Config config_from(const CommonFlags& flags) {
       throw std::invalid_argument(std::string("--method: ") + error.what());
     }
   }
-  if (flags.fast) config.match.match.fast = true;
+  if (flags.fast) config.match.match.general.fast = true;
   return config;
 }
 
