@@ -69,11 +69,8 @@ class PoseGraph {
   /// @cost sparse Cholesky per iteration: about 3 us a node for graphs of this kind
   GraphSummary optimize(const GraphOptions& options = {});
 
-  /// Marginal covariance of a node's (x, y, theta) in the frame of the graph while node `fixed` is held where it is, at
-  /// the present poses: the inverse of the normal equations of the enabled edges, without the robust kernel. Empty
-  /// where no enabled edges lead from one to the other. Zero for `fixed` itself.
+  /// Marginal covariance of one node while node `fixed` is held (see MarginalCovariance, which is asked for several).
   /// @throws std::invalid_argument for a node that does not exist.
-  /// @cost one sparse Cholesky: about 6 us a node for graphs of this kind
   std::optional<Eigen::Matrix3d> covariance(int node, int fixed = 0) const;
 
   template <class Self, class Visitor>

@@ -17,12 +17,16 @@ Backend::Backend(const SlamOptions& options, BackendState state)
       places_(options.loops, std::move(state.places)),
       closer_(options, std::move(state.loops)),
       admission_(make_admission(options, std::move(state.admission))),
+      covariance_(state.covariance),
+      batches_(state.batches),
       counts_before_last_pass_(state.counts_before_last_pass) {
   connectivity_.rebuild(session_.keyframes(), session_.graph());
+  publisher_.publish(batches_, session_, connectivity_, covariance());
 }
 
 BackendState Backend::state() const {
-  return {session_.state(), places_.state(), closer_.state(), admission_->state(), counts_before_last_pass_};
+  return {session_.state(),    places_.state(), closer_.state(),         admission_->state(),
+          covariance_.state(), batches_,        counts_before_last_pass_};
 }
 
 void Backend::add_batch(std::vector<Keyframe> batch) {
@@ -30,24 +34,38 @@ void Backend::add_batch(std::vector<Keyframe> batch) {
     admission_->submit(std::move(keyframe), session_, places_);
     place_admitted();
   }
-  if (session_.optimize_if_due()) connectivity_.rebuild(session_.keyframes(), session_.graph());
+  if (session_.optimize_if_due()) graph_changed();
+  publisher_.publish(++batches_, session_, connectivity_, covariance());
+}
+
+void Backend::graph_changed() {
+  connectivity_.rebuild(session_.keyframes(), session_.graph());
+  covariance_.optimized(session_, connectivity_);
 }
 
 void Backend::place_admitted() {
   while (std::optional<Placement> placement = admission_->next(session_)) {
     if (placement->attach_at) {
-      session_.attach_to_node(placement->keyframe, *placement->attach_at);
-      if (placement->confirms_position) session_.confirm_position();
+      attach(*placement);
     } else {
       insert(std::move(*placement));
     }
   }
 }
 
+void Backend::attach(const Placement& placement) {
+  const Pose2 before = submitted_pose(submitted() - 1);
+  session_.attach_to_node(placement.keyframe, *placement.attach_at);
+  if (placement.confirms_position) session_.confirm_position();
+  covariance_.attached(session_, connectivity_, before, placement.keyframe.information, placement.match_information);
+}
+
 void Backend::insert(Placement placement) {
   const bool tied = session_.last_node() >= 0 && !placement.keyframe.new_segment;
   connectivity_.add_node(tied ? session_.submitted().back().node : -1);
+  const Pose2 before = submitted() > 0 ? submitted_pose(submitted() - 1) : Pose2{};
   const int node = session_.insert_node(std::move(placement.keyframe));
+  covariance_.inserted(session_, before);
   if (options_.loops.enabled) add_loops(closer_.search(node, session_, places_, connectivity_));
   for (Loop& loop : placement.recognised) {
     loop.to = node;
@@ -66,16 +84,17 @@ void Backend::finish() {
   admission_->close();
   place_admitted();
   closer_.close();
-  if (keyframes().size() < 2) return;
-  session_.optimize(kFinalIterations);
-  connectivity_.rebuild(session_.keyframes(), session_.graph());
-  if (!options_.loops.enabled) return;
-  counts_before_last_pass_ = loop_counts();
-  // What was matched while the map was still bent is matched anew.
-  for (int pass = 0; pass < kFinalPasses; ++pass) {
-    session_.replace_loops(closer_.search_all(session_, connectivity_));
-    connectivity_.rebuild(session_.keyframes(), session_.graph());
+  if (keyframes().size() >= 2) {
+    session_.optimize(kFinalIterations);
+    graph_changed();
+    if (options_.loops.enabled) counts_before_last_pass_ = loop_counts();
+    // What was matched while the map was still bent is matched anew.
+    for (int pass = 0; pass < kFinalPasses && options_.loops.enabled; ++pass) {
+      session_.replace_loops(closer_.search_all(session_, connectivity_));
+      graph_changed();
+    }
   }
+  publisher_.publish(++batches_, session_, connectivity_, covariance());
 }
 
 LoopCounts Backend::loop_counts() const {

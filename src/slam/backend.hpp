@@ -14,7 +14,10 @@
 #include "slam/graph_session.hpp"
 #include "slam/keyframe.hpp"
 #include "slam/keyframe_admission.hpp"
+#include "slam/backend_snapshot.hpp"
 #include "slam/loop_closer.hpp"
+#include "slam/map_covariance.hpp"
+#include "slam/snapshot_publisher.hpp"
 #include "slam/place_search.hpp"
 
 namespace phasescan {
@@ -51,6 +54,8 @@ struct BackendState {
   PlaceSearchState places;
   LoopCloserState loops;
   AdmissionState admission;
+  MapCovarianceState covariance;
+  std::uint64_t batches = 0;                          ///< that were worked on
   std::optional<LoopCounts> counts_before_last_pass;  ///< those that are reported, once finish() looks for loops anew
 
   template <class Self, class Visitor>
@@ -59,13 +64,15 @@ struct BackendState {
     v("places", self.places);
     v("loops", self.loops);
     v("admission", self.admission);
+    v("covariance", self.covariance);
+    v("batches", self.batches);
     v("counts_before_last_pass", self.counts_before_last_pass);
   }
 };
 
 /// Joins the parts: admission says which keyframes become nodes, the closer finds their loops, the session holds the
-/// graph. While `add_batch` runs nobody else may touch it; its state depends on the batches alone, never on when they
-/// are worked on.
+/// graph. While `add_batch` runs nobody else may touch it, but for `snapshot`; its state depends on the batches alone,
+/// never on when they are worked on.
 class Backend {
  public:
   explicit Backend(const SlamOptions& options, BackendState state = {});
@@ -77,6 +84,11 @@ class Backend {
   void finish();
   /// @return what a new back end needs to go on with the same bytes. @cost a copy of nodes, edges and descriptors
   BackendState state() const;
+  /// The map after the last batch that is done; never null. Any thread may ask, at any time, also while a batch is
+  /// worked on. @cost a lock that is held for two assignments
+  std::shared_ptr<const BackendSnapshot> snapshot() const { return publisher_.snapshot(); }
+  /// Of (x, y, theta) of the keyframe submitted last, in the frame of the map, relative to the first node of its piece.
+  const Eigen::Matrix3d& covariance() const { return covariance_.state().covariance; }
 
   /// Poses on the map of all keyframes that were submitted, in that order; in bounded-memory mode not every one became
   /// a node of the graph. With `odometry` as laser odometry saw them.
@@ -104,7 +116,9 @@ class Backend {
  private:
   void place_admitted();
   void insert(Placement placement);
+  void attach(const Placement& placement);
   void add_loops(std::span<const Loop> loops);
+  void graph_changed();
 
   SlamOptions options_;
   GraphSession session_;
@@ -112,7 +126,10 @@ class Backend {
   PlaceSearch places_;
   LoopCloser closer_;
   std::unique_ptr<KeyframeAdmission> admission_;
+  MapCovariance covariance_;
+  std::uint64_t batches_ = 0;
   std::optional<LoopCounts> counts_before_last_pass_;
+  SnapshotPublisher publisher_;
 };
 
 }  // namespace phasescan

@@ -29,11 +29,11 @@ BoundedAdmission::BoundedAdmission(const SlamOptions& options, AdmissionState st
 const LocalMap& BoundedAdmission::surroundings(int node, const GraphSession& session) {
   Surroundings& kept = surroundings_;
   const std::size_t nodes = session.keyframes().size();
-  if (node != kept.node || nodes != kept.nodes || session.poses_version() != kept.poses_version) {
+  if (node != kept.node || nodes != kept.nodes || session.optimisations() != kept.optimisations) {
     build_surroundings(session, node, options_.loops.near_radius_m, kSurroundings, options_.odometry, kept.map);
     kept.node = node;
     kept.nodes = nodes;
-    kept.poses_version = session.poses_version();
+    kept.optimisations = session.optimisations();
   }
   return kept.map;
 }
@@ -43,7 +43,7 @@ BoundedAdmission::MapMatch BoundedAdmission::match_map(const Keyframe& keyframe,
   const auto& poses = session.poses();
   const auto& keyframes = session.keyframes();
   const Eigen::Vector2d centre = predicted * keyframe.centre;
-  MapMatch match{0, predicted, 0.0};
+  MapMatch match{0, predicted, 0.0, {}};
   int nearest = -1;
   double least = kShownM;
   for (std::size_t k = 0; k < poses.size(); ++k) {
@@ -60,7 +60,9 @@ BoundedAdmission::MapMatch BoundedAdmission::match_map(const Keyframe& keyframe,
   // A match that still moves by a millimetre after all its steps is as good as one that came to rest.
   if (translation_distance(pose, predicted) > options_.loops.small_error_m) return match;
   match.overlap = found.overlap;
-  if (found.overlap > options_.odometry.min_overlap) match.pose = pose;
+  if (found.overlap <= options_.odometry.min_overlap) return match;
+  match.pose = pose;
+  match.information = kMatchTrust * rotate_information(found.information, -found.T_map_base.theta);
   return match;
 }
 
@@ -81,7 +83,7 @@ void BoundedAdmission::submit(Keyframe keyframe, const GraphSession& session, Pl
   if (lost() || !shown) return defer(std::move(keyframe), match, predicted, session, places);
   // The way here was right: what waits stands where it was thought to.
   admit_waiting();
-  decided_.push_back({std::move(keyframe), Decision::kAttach, match.pose, true});
+  decided_.push_back({std::move(keyframe), Decision::kAttach, match, true});
   state_.unfit_m = 0.0;
 }
 
@@ -126,7 +128,10 @@ std::optional<Placement> BoundedAdmission::next(const GraphSession& session) {
   if (decision.kind == Decision::kAttachOrInsert) return attach_or_insert(std::move(decision.keyframe), session);
   Placement placement{std::move(decision.keyframe), std::nullopt, decision.confirms_position,
                       std::move(decision.recognised)};
-  if (decision.kind == Decision::kAttach) placement.attach_at = decision.pose;
+  if (decision.kind == Decision::kAttach) {
+    placement.attach_at = decision.match.pose;
+    placement.match_information = decision.match.information;
+  }
   return placement;
 }
 
@@ -137,7 +142,12 @@ Placement BoundedAdmission::attach_or_insert(Keyframe keyframe, const GraphSessi
                                                           : kShownByOneOverlap;
   // Where the place has all the keyframes it may have, a scan that does not fit (people) stands where odometry puts it.
   const bool attach = !keyframe.new_segment && (match.around >= kMostKeyframes || match.overlap > enough);
-  return {std::move(keyframe), attach ? std::optional(match.pose) : std::nullopt};
+  Placement placement{std::move(keyframe), std::nullopt};
+  if (attach) {
+    placement.attach_at = match.pose;
+    placement.match_information = match.information;
+  }
+  return placement;
 }
 
 std::optional<RelocalisationCandidate> BoundedAdmission::recognise(const Keyframe& keyframe, const Pose2& predicted,
@@ -183,8 +193,8 @@ void BoundedAdmission::relocalise_after_slip(const RelocalisationCandidate& last
   // The tracker slipped while it was sure of itself. The map is right; no edge may say otherwise.
   const Pose2 correction = last.pose * last.predicted.inverse();
   for (Keyframe& keyframe : state_.waiting) {
-    const Pose2 pose = match_map(keyframe, correction * session.predict(keyframe), session).pose;
-    decided_.push_back({std::move(keyframe), Decision::kAttach, pose});
+    const MapMatch match = match_map(keyframe, correction * session.predict(keyframe), session);
+    decided_.push_back({std::move(keyframe), Decision::kAttach, match});
   }
   decided_.back().confirms_position = true;
   state_.waiting.clear();

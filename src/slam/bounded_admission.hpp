@@ -30,16 +30,17 @@ class BoundedAdmission final : public KeyframeAdmission {
     int around = 0;      ///< nodes that look at the same from so near
     Pose2 pose;          ///< on the map; as predicted where the keyframe does not fit
     double overlap = 0;  ///< share of the hits on the map; 0 where the match moves the prediction too far
+    std::optional<Eigen::Matrix3d> information{};  ///< of `pose` in its own frame, where it is that of the match
   };
   /// A keyframe whose turn has come.
   struct Decision {
     Keyframe keyframe;
     enum Kind : std::uint8_t {
-      kAttach,         ///< at `pose`
+      kAttach,         ///< where `match` says
       kInsert,         ///< as a node
       kAttachOrInsert  ///< by how it fits the map then
     } kind = kInsert;
-    Pose2 pose;
+    MapMatch match;
     bool confirms_position = false;
     std::vector<Loop> recognised{};
   };
@@ -66,7 +67,7 @@ class BoundedAdmission final : public KeyframeAdmission {
   struct Surroundings {           // a cache: follows from the graph
     int node = -1;
     std::size_t nodes = 0;
-    std::uint64_t poses_version = 0;
+    std::uint64_t optimisations = 0;
     LocalMap map;
   } surroundings_;
 };

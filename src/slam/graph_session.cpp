@@ -40,6 +40,11 @@ Pose2 GraphSession::predict(const Keyframe& keyframe) const {
          (state_.T_odom_last.inverse() * keyframe.T_odom_base);
 }
 
+Pose2 GraphSession::T_map_odom() const {
+  const SubmittedKeyframe& last = state_.submitted.back();
+  return poses()[static_cast<std::size_t>(last.node)] * last.T_node_keyframe() * state_.T_odom_last.inverse();
+}
+
 void GraphSession::submit(const Keyframe& keyframe, int node, const Pose2& T_node_keyframe) {
   const Pose2& T_odom = keyframe.T_odom_base;
   state_.submitted.push_back({node, static_cast<float>(T_node_keyframe.x), static_cast<float>(T_node_keyframe.y),
@@ -130,7 +135,7 @@ void GraphSession::optimize(int max_iterations) {
   options.max_iterations = max_iterations;
   state_.graph.optimize(options);
   undo_contradicted();
-  ++poses_version_;
+  ++state_.optimisations;
   state_.nodes_at_optimize = last_node() + 1;
   state_.new_edges = 0;
   state_.large_correction = false;

@@ -46,6 +46,7 @@ struct GraphSessionState {
   Pose2 T_odom_last;                ///< T_odom_base of the keyframe submitted last
   std::vector<double> travelled_m;  ///< of each node: since the start, breaks of tracking counted as a long way
   double unconfirmed_m = 0.0;       ///< travelled since a loop or the map last showed where the robot is
+  std::uint64_t optimisations = 0;
   int nodes_at_optimize = 0;
   std::size_t new_edges = 0;      ///< loops added since the last optimisation
   bool large_correction = false;  ///< one of them moves the map by more than loops.small_error_m
@@ -59,6 +60,7 @@ struct GraphSessionState {
     v("T_odom_last", self.T_odom_last);
     v("travelled_m", self.travelled_m);
     v("unconfirmed_m", self.unconfirmed_m);
+    v("optimisations", self.optimisations);
     v("nodes_at_optimize", self.nodes_at_optimize);
     v("new_edges", self.new_edges);
     v("large_correction", self.large_correction);
@@ -86,6 +88,8 @@ class GraphSession {
   void confirm_position() { state_.unconfirmed_m = 0.0; }
   /// Where odometry alone puts the next keyframe on the map. There must be one before it.
   Pose2 predict(const Keyframe& keyframe) const;
+  /// By the keyframe submitted last. There must be one.
+  Pose2 T_map_odom() const;
 
   /// At the end of a batch: optimises where a large correction waits, or loops and many nodes.
   /// @return whether poses and edges may have changed
@@ -104,8 +108,8 @@ class GraphSession {
   double travelled_m(int node) const { return state_.travelled_m[static_cast<std::size_t>(node)]; }
   double unconfirmed_m() const { return state_.unconfirmed_m; }
   int last_node() const { return static_cast<int>(state_.keyframes.size()) - 1; }
-  /// Counts the optimisations: between two of them no pose of a node changes.
-  std::uint64_t poses_version() const { return poses_version_; }
+  /// How often it was optimised: between two times no pose of a node changes.
+  std::uint64_t optimisations() const { return state_.optimisations; }
   const GraphSessionState& state() const { return state_; }
 
  private:
@@ -118,7 +122,6 @@ class GraphSession {
 
   LoopOptions options_;
   GraphSessionState state_;
-  std::uint64_t poses_version_ = 0;
 };
 
 }  // namespace phasescan

@@ -20,6 +20,8 @@ struct Placement {
   std::optional<Pose2> attach_at;  ///< it stands at a node, with this pose on the map; empty: it becomes a node
   bool confirms_position = false;  ///< the map shows where the robot is
   std::vector<Loop> recognised{};  ///< loops of the new node that come with it; `to` is not filled in
+  /// Of the match that found `attach_at`, in the keyframe's own frame; empty where tracking alone says it.
+  std::optional<Eigen::Matrix3d> match_information{};
 };
 
 /// A place that looks like what a waiting keyframe sees, elsewhere than it should be.

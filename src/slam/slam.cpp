@@ -44,11 +44,14 @@ TrackerStep Slam::add(const RangeMeasurement& measurement) {
   const Scan& scan = measurement.scan;
   backend_cpu_s_ = 0.0;
   TrackerStep step = tracker_.add(measurement);
+  std::shared_ptr<const StoredScan> stored;
+  if (!options_.slam.bounded_memory && (step.keyframe || options_.slam.polish))
+    stored = store_.stored(store_.add(scan, measurement.T_base_laser));
   if (step.keyframe) {
     if (step.diagnostics.new_segment) breaks_.push_back(keyframes_);
     std::shared_ptr<const Scan> own;
     if (options_.slam.bounded_memory) own = std::make_shared<const Scan>(scan);
-    keyframe_scans_.push_back({static_cast<std::int64_t>(records_.size()), store_.size(), std::move(own)});
+    keyframe_scans_.push_back({static_cast<std::int64_t>(records_.size()), std::move(stored), std::move(own)});
     T_odom_keyframe_ = step.T_odom_mid;
     ++keyframes_;
   }
@@ -56,8 +59,6 @@ TrackerStep Slam::add(const RangeMeasurement& measurement) {
   const Pose2 relative = T_odom_keyframe_.inverse() * step.T_odom_stamp;
   records_.push_back({scan.stamp, keyframes_ - 1, static_cast<float>(relative.x), static_cast<float>(relative.y),
                       static_cast<float>(relative.theta)});
-  if (!options_.slam.bounded_memory && (step.keyframe || options_.slam.polish))
-    store_.add(scan, measurement.T_base_laser);
   if (batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
   return step;
 }
@@ -74,7 +75,7 @@ void Slam::take(std::vector<TrackedKeyframe> keyframes) {
     keyframe.twist = tracked.twist;
     keyframe.T_mid_stamp = tracked.T_mid_stamp;
     keyframe.scan = keyframe_scans_.front().scan;
-    keyframe.stored = keyframe_scans_.front().stored;
+    keyframe.stored = std::move(keyframe_scans_.front().stored);
     keyframe.own_scan = std::move(keyframe_scans_.front().own);
     keyframe_scans_.pop_front();
     const MapPoints& points = *keyframe.points;
@@ -141,7 +142,7 @@ PlacedScan Slam::placed_keyframe(std::size_t i) const {
   const Pose2 T_map_stamp =
       polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend().poses()[i] * keyframe.T_mid_stamp;
   PlacedScan placed;
-  placed.scan = keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored);
+  placed.scan = keyframe.scan_data();
   placed.T_map_laser = T_map_stamp * keyframe.T_base_laser;
   placed.twist = options_.odometry.deskew ? twist_of_frame(keyframe.T_base_laser, keyframe.twist) : Twist2{};
   return placed;

@@ -16,8 +16,8 @@ void reset(LocalMap& map, const Pose2& pose, const OdometryOptions& options) {
 }  // namespace
 
 const LocalMap& VisitMaps::around(int anchor, const GraphSession& session) {
-  if (poses_version_ != session.poses_version()) entries_.clear();
-  poses_version_ = session.poses_version();
+  if (optimisations_ != session.optimisations()) entries_.clear();
+  optimisations_ = session.optimisations();
   for (const Entry& entry : entries_) {
     if (entry.anchor == anchor) return *entry.map;
   }

@@ -32,7 +32,7 @@ class VisitMaps {
   };
   std::vector<Entry> entries_;
   std::size_t next_ = 0;
-  std::uint64_t poses_version_ = 0;
+  std::uint64_t optimisations_ = 0;
 };
 
 /// Builds the map of the surroundings of a node from up to `max_keyframes` keyframes of any time that look at the same

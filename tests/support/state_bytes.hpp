@@ -64,7 +64,7 @@ class StateBytes {
   void describe(const Twist2& t) { write(t.vx), write(t.vy), write(t.omega); }
   void describe(const MapPoints& p) {
     for (const auto* v : {&p.x, &p.y, &p.nx, &p.ny, &p.variance, &p.normal_variance}) describe(*v);
-    describe(p.small);
+    describe(p.free_standing);
     write(p.with_normal);
   }
   void describe(const Scan& s) {
