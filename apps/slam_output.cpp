@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "io/file.hpp"
-#include "io/g2o.hpp"
-#include "io/map_file.hpp"
+#include "output/g2o.hpp"
+#include "output/map_file.hpp"
 #include "io/tum.hpp"
 #include "phasescan/map/trinary_map.hpp"
 #include "report/slam_report.hpp"

@@ -10,7 +10,7 @@ PACKAGES=(build-essential cmake ninja-build pkg-config ccache git
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libyaml-cpp-dev
   zlib1g-dev liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev libpng-dev)
 TEST_PACKAGES=(clang-14 clang-format-14 libclang-rt-14-dev libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
-  python3 python3-numpy python3-pil librsvg2-bin)
+  python3 python3-numpy python3-pil librsvg2-bin valgrind)
 
 say() { printf '\n== %s\n' "$*"; }
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "eval/trajectory_error.hpp"
-#include "io/g2o.hpp"
-#include "io/map_file.hpp"
+#include "output/g2o.hpp"
+#include "output/map_file.hpp"
 #include "io/tum.hpp"
 #include "support/toy_world.hpp"
 
