@@ -35,9 +35,9 @@ BackendState map_of(const SlamOptions& options, const std::vector<Keyframe>& key
 
 void expect_that_stopping_changes_nothing(const SlamOptions& options, const std::vector<Keyframe>& keyframes) {
   for (const bool finish : {false, true}) {
-    const std::string never = state_bytes(map_of(options, keyframes, 0, finish));
-    EXPECT_TRUE(never == state_bytes(map_of(options, keyframes, 1, finish))) << finish;
-    EXPECT_TRUE(never == state_bytes(map_of(options, keyframes, 3, finish))) << finish;
+    const std::string never = to_bytes(map_of(options, keyframes, 0, finish));
+    EXPECT_TRUE(never == to_bytes(map_of(options, keyframes, 1, finish))) << finish;
+    EXPECT_TRUE(never == to_bytes(map_of(options, keyframes, 3, finish))) << finish;
   }
 }
 
@@ -91,7 +91,7 @@ TEST(BackendState, EachPartOfItIsNeeded) {
   const auto rest = [&](BackendState state) {
     Backend backend({}, std::move(state));
     for (std::size_t from = half; from < keyframes.size(); from += kBatch) backend.add_batch(batch_at(keyframes, from));
-    return state_bytes(backend.state());
+    return to_bytes(backend.state());
   };
   const std::string all = rest(first.state());
   BackendState no_loops = first.state(), no_places = first.state(), another_time = first.state();
