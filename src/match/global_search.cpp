@@ -237,14 +237,13 @@ void GlobalSearch::settle(const PreparedScan& reference, const PreparedScan& sca
 
 // Hypotheses from the listed rotations, refined and weighed, in kept_.
 void GlobalSearch::look(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
-                        int candidates, SearchTimes& times) {
-  StageClock clock;
+                        int candidates, MatchTimer& timer) {
   sweep(reference, scan, guess);
   thin(reference, static_cast<std::size_t>(candidates));
-  clock.add_to(times.translation);
+  timer.end_of(&MatchTimes::translation);
   refine_candidates(reference, scan);
   if (options_.twins && !guess) add_twins(reference, scan);
-  clock.add_to(times.refine);
+  timer.end_of(&MatchTimes::refine);
 }
 
 // Whether the best of kept_ explains the scans well and, without a guess, clearly better than the next distinct one.
@@ -259,18 +258,17 @@ bool GlobalSearch::convinces(const PreparedScan& reference, bool guessed) const 
 }
 
 void GlobalSearch::run(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
-                       const std::vector<RotationHypothesis>* proposed, SearchOutcome& out, SearchTimes* times) {
+                       const std::vector<RotationHypothesis>* proposed, SearchOutcome& out, MatchTimer* given_timer) {
   out.hypotheses.clear();
   out.margin = out.profile = 0.0;
   out.refined = {};
   out.evidence = {};
   if (reference.size() == 0 || scan.size() == 0) return;
-  SearchTimes unused;
-  SearchTimes& ms = times != nullptr ? *times : unused;
-  StageClock clock;
+  MatchTimer own_timer;
+  MatchTimer& timer = given_timer != nullptr ? *given_timer : own_timer;
   rotations_.list(reference, scan, guess, proposed, rotation_list_);
-  clock.add_to(ms.rotation);
-  look(reference, scan, guess, options_.candidates, ms);
+  timer.end_of(&MatchTimes::rotation);
+  look(reference, scan, guess, options_.candidates, timer);
   bool guessed = guess.has_value();
   const bool may_sweep = proposed == nullptr && options_.rotations == RotationSearch::kAutomatic;
   if (may_sweep && !convinces(reference, guessed)) {
@@ -279,17 +277,16 @@ void GlobalSearch::run(const PreparedScan& reference, const PreparedScan& scan, 
     if (guessed) of_guess_ = kept_;
     guessed = false;
     rotations_.list_all(rotation_list_);
-    look(reference, scan, std::nullopt, kMoreInDoubt * options_.candidates, ms);
+    look(reference, scan, std::nullopt, kMoreInDoubt * options_.candidates, timer);
     kept_.insert(kept_.end(), of_guess_.begin(), of_guess_.end());
   }
-  clock = {};
   refine_finalists(reference, scan, out);
   if (!guessed) prefer_less_turn(kTieMargin, out.hypotheses);
   settle(reference, scan, out);
   // Along a corridor each twin is best where the noise happens to suit it.
   if (!guessed && out.profile < kFlatProfile && prefer_less_turn(kSlidingTieMargin, out.hypotheses))
     settle(reference, scan, out);
-  clock.add_to(ms.refine);
+  timer.end_of(&MatchTimes::refine);
 }
 
 }  // namespace phasescan
