@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/directions-inl.hpp"
 #include "refine/nearest-inl.hpp"
 
 namespace phasescan {
@@ -29,23 +30,6 @@ HWY_BEFORE_NAMESPACE();
 namespace phasescan {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-// As direction_turns of core/fast_math.hpp, for a vector.
-template <class DF, class V = hn::Vec<DF>>
-HWY_INLINE V DirectionTurns(DF df, V x, V y) {
-  const V ax = hn::Abs(x), ay = hn::Abs(y), zero = hn::Zero(df), one = hn::Set(df, 1.0F);
-  const V big = hn::Max(ax, ay), small = hn::Min(ax, ay);
-  const V t = hn::Div(small, hn::Max(big, hn::Set(df, 1e-20F)));
-  const V s = hn::Mul(t, t);
-  V p = hn::Add(hn::Set(df, -0.0135493F), hn::Mul(s, hn::Set(df, 0.0033160F)));
-  p = hn::Add(hn::Set(df, 0.0286703F), hn::Mul(s, p));
-  p = hn::Add(hn::Set(df, -0.0525688F), hn::Mul(s, p));
-  V turns = hn::Mul(t, hn::Add(hn::Set(df, 0.1591336F), hn::Mul(s, p)));
-  turns = hn::IfThenElse(hn::Gt(ay, ax), hn::Sub(hn::Set(df, 0.25F), turns), turns);
-  turns = hn::IfThenElse(hn::Lt(x, zero), hn::Sub(hn::Set(df, 0.5F), turns), turns);
-  turns = hn::IfThenElse(hn::Lt(y, zero), hn::Sub(one, turns), turns);
-  return hn::IfThenElse(hn::Ge(turns, one), zero, turns);
-}
 
 void SumEvidence(EvidenceTask& task) {
   const hn::CappedTag<float, SurfaceBatch::kPadding> df;

@@ -78,15 +78,23 @@ int GlobalSearch::correlate(const PreparedScan& reference, const PreparedScan& s
              frame_high = static_cast<float>(ScoreTable::kStride - kWindow / 2);
   const auto c = static_cast<float>(std::cos(centre.theta)), s = static_cast<float>(std::sin(centre.theta));
   const auto tx = static_cast<float>(centre.x), ty = static_cast<float>(centre.y);
-  offsets_.clear();
-  for (std::size_t i = 0; i < scan.sparse.count; ++i) {
+  const std::size_t count = scan.sparse.count;
+  at_u_.resize(count);
+  at_v_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
     const float px = scan.sparse.x[i], py = scan.sparse.y[i];
-    const float u = table.position(c * px - s * py + tx), v = table.position(s * px + c * py + ty);
-    if (!(u >= frame_low && v >= frame_low && u < frame_high && v < frame_high)) continue;
-    offsets_.push_back((static_cast<int>(v) - kWindow / 2) * ScoreTable::kStride + static_cast<int>(u) - kWindow / 2);
+    at_u_[i] = table.position(c * px - s * py + tx);
+    at_v_[i] = table.position(s * px + c * py + ty);
   }
-  correlate_points(table.data(), offsets_, window_);
-  return table.values().unknown * static_cast<int>(scan.sparse.count - offsets_.size());
+  offsets_.resize(count);
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float u = at_u_[i], v = at_v_[i];
+    if (!(u >= frame_low && v >= frame_low && u < frame_high && v < frame_high)) continue;
+    offsets_[inside++] = (static_cast<int>(v) - kWindow / 2) * ScoreTable::kStride + static_cast<int>(u) - kWindow / 2;
+  }
+  correlate_points(table.data(), std::span(offsets_).first(inside), window_);
+  return table.values().unknown * static_cast<int>(count - inside);
 }
 
 void GlobalSearch::sweep(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess) {
@@ -120,16 +128,16 @@ void GlobalSearch::thin(const PreparedScan& reference, std::size_t most) {
 }
 
 void GlobalSearch::refine_quickly(const PreparedScan& reference, const PreparedScan& scan,
-                                  Hypothesis& hypothesis) const {
+                                  Hypothesis& hypothesis) {
   PointToLineOptions quick;
   quick.gate_start_m = kQuickGateStart * reference.scale_m;
   quick.gate_end_m = kGateEnd * reference.scale_m;
   quick.max_iterations = options_.refinement ? 3 : 0;
   quick.stop_m = 1e-3 * reference.scale_m;
   quick.stop_rad = 1e-3;
-  hypothesis.T_ref_scan =
-      refine_point_to_line(reference.model(), scan.model(), hypothesis.T_ref_scan, quick, scan.sparse, nullptr)
-          .T_ref_scan;
+  hypothesis.T_ref_scan = refine_point_to_line(reference.model(), scan.model(), hypothesis.T_ref_scan, quick,
+                                               scan.sparse, nullptr, refinement_)
+                              .T_ref_scan;
   hypothesis.score = weigh_evidence(reference, scan, reference.sparse, scan.sparse, hypothesis.T_ref_scan,
                                     kQuickSlack * reference.scale_m)
                          .score(weights_);
@@ -173,7 +181,7 @@ void GlobalSearch::refine_finalists(const PreparedScan& reference, const Prepare
   kept_ = out.hypotheses;
   for (Hypothesis& h : kept_) {
     h.T_ref_scan = refine_point_to_line(reference.model(), scan.model(), h.T_ref_scan, middle, scan.middle,
-                                        options_.both_ways ? &reference.middle : nullptr)
+                                        options_.both_ways ? &reference.middle : nullptr, refinement_)
                        .T_ref_scan;
     h.score = weigh_evidence(reference, scan, reference.middle, scan.middle, h.T_ref_scan, kFineSlack * scale)
                   .score(weights_);
@@ -195,7 +203,7 @@ void GlobalSearch::settle(const PreparedScan& reference, const PreparedScan& sca
   };
   for (int attempt = 0; attempt < kSettleAttempts; ++attempt) {
     out.refined = refine_point_to_line(reference.model(), scan.model(), best.T_ref_scan, fine, of_scan,
-                                       options_.both_ways ? &of_ref : nullptr);
+                                       options_.both_ways ? &of_ref : nullptr, refinement_);
     best.T_ref_scan = out.refined.T_ref_scan;
     out.evidence = weigh(best.T_ref_scan);
     best.score = out.evidence.score(weights_);

@@ -74,7 +74,7 @@ class GlobalSearch {
   void add_twins(const PreparedScan& reference, const PreparedScan& scan);
   void refine_finalists(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out);
   void settle(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out);
-  void refine_quickly(const PreparedScan& reference, const PreparedScan& scan, Hypothesis& hypothesis) const;
+  void refine_quickly(const PreparedScan& reference, const PreparedScan& scan, Hypothesis& hypothesis);
   int correlate(const PreparedScan& reference, const PreparedScan& scan, const Pose2& centre);
 
   GlobalOptions options_;
@@ -82,7 +82,9 @@ class GlobalSearch {
   RotationHypotheses rotations_;
   std::vector<RotationHypothesis> rotation_list_;
   std::vector<std::int32_t> offsets_;
+  std::vector<float> at_u_, at_v_;
   CorrelationWindow window_;
+  PointToLineWorkspace refinement_;
   std::vector<Hypothesis> coarse_, kept_, of_guess_;
 };
 
