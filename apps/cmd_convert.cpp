@@ -19,17 +19,14 @@ int run_convert(const ConvertFlags& flags) {
   const std::string target = flags.to.empty() ? convert_target_for(flags.out) : flags.to;
   const auto reader = open_log(flags.in, flags.options);
   const auto writer = make_convert_writer(target, flags.out);
-  const bool odometry = find_odometry_source(flags.in, flags.options).usable;
+  JudgedLog log(*reader);
   bool left_out = false;
   InterruptGuard guard;
   Progress progress("converted", 0);
   std::size_t scans = 0;
-  while (auto entry = reader->next()) {
-    // The copy says no more what the poses of a mapping program are.
-    if (!odometry && entry->odometry && entry->corrected) {
-      entry->odometry.reset();
-      left_out = true;
-    }
+  while (const auto entry = log.next()) {
+    // The copy says no more what the poses of a mapping program are: its odometry is taken off.
+    left_out = left_out || (entry->corrected && !entry->odometry);
     writer->add(*entry);
     progress.step(++scans);
     if (InterruptGuard::interrupted()) break;

@@ -27,10 +27,12 @@ int run_info(const InfoFlags& flags) {
   const auto reader = open_log(flags.log, flags.options);
   LogSummary summary;
   LogDoctor doctor;
+  OdometryJudge judge;
   InterruptGuard guard;
   Progress progress("read", 0);
   while (auto entry = reader->next()) {
     summary.add(*entry);
+    judge.add(*entry, *reader);
     if (!flags.no_doctor) doctor.add(*entry);
     progress.step(summary.scans());
     if (InterruptGuard::interrupted()) break;
@@ -42,8 +44,8 @@ int run_info(const InfoFlags& flags) {
   print_line("format", reader->format());
   for (const auto& [name, value] : reader->facts()) print_line(name, value);
   for (const auto& [name, value] : summary.lines()) print_line(name, value);
-  if (summary.odometry_equals_corrected())
-    print_line("odometry, for slam", source_of_same_poses(reader->facts()).assumed);
+  judge.finish(*reader);
+  if (summary.odometry_equals_corrected()) print_line("odometry, for slam", judge.source().assumed);
   std::map<std::string, std::size_t> damages;
   for (const LogDamage& damage : reader->damages()) ++damages[damage.kind];
   print_line("damaged places", std::to_string(reader->damage_count()));

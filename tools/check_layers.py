@@ -16,7 +16,7 @@ core
 scan         core
 refine       core scan
 match        core scan refine
-fft_icp      core scan match
+fft_icp      core scan refine match
 methods      core scan match fft_icp
 odometry     core scan match refine
 graph        core
@@ -24,9 +24,9 @@ map          core scan
 slam         core scan match odometry graph map
 io           core scan
 sim          core scan io
-config       core io methods slam
-output       core scan graph map match methods io
-report       core scan match graph map output io
+config       core methods io match fft_icp slam
+output       core scan graph map match methods slam io
+report       core scan match graph map slam output io
 eval         core scan match fft_icp methods odometry slam sim config output report io
 """
 # Around the core: tests of any folder may use these to make and read their inputs.

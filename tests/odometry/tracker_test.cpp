@@ -1,4 +1,4 @@
-#include "phasescan/odometry/odometry.hpp"
+#include "odometry/tracker.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ constexpr double kPeriod = 0.18;
 struct Drive {
   double worst_m = 0.0, worst_rad = 0.0;
   std::size_t untracked = 0;
-  WheelWitness::Counts wheels;
+  WheelCounts wheels;
 };
 
 /// Drives the tour and compares each pose with the truth (both start at the first pose).
@@ -33,7 +33,7 @@ Drive drive(const OdometryOptions& options, const ToyLidar& lidar, const Pose2& 
   const auto walls = two_rooms();
   const auto tour = toy_tour(kPeriod, speed, turn_rate);
   Random random(21);
-  Odometry odometry(options);
+  Tracker tracker(options);
   Drive out;
   for (std::size_t i = 0; i < tour.size(); ++i) {
     // The motion during the turn: it begins with the stamp, or ends with it where the last beam is fired first.
@@ -44,26 +44,26 @@ Drive drive(const OdometryOptions& options, const ToyLidar& lidar, const Pose2& 
                          stamp_from_seconds(100.0 + kPeriod * static_cast<double>(i)),
                          twist_of_frame(T_base_laser, twist), upside_down);
     if (upside_down) scan = mirrored_scan(scan);
-    const OdometryStep found = odometry.add({scan, "", T_base_laser, wheels(i, tour)});
+    const TrackerStep found = tracker.add({scan, "", T_base_laser, wheels(i, tour)});
     const Pose2 truth = tour[0].inverse() * tour[i];
     out.worst_m = std::max(out.worst_m, translation_distance(found.T_odom_stamp, truth));
     out.worst_rad = std::max(out.worst_rad, angle_distance(found.T_odom_stamp.theta, truth.theta));
-    out.untracked += !found.tracked;
+    out.untracked += !found.tracked();
   }
-  out.wheels = odometry.wheels().counts();
+  out.wheels = tracker.state().motion.wheels.counts;
   return out;
 }
 
 const auto kNoWheels = [](std::size_t, const std::vector<Pose2>&) { return std::optional<Pose2>(); };
 
-TEST(Odometry, FollowsATourWithScansAlone) {
+TEST(Tracker, FollowsATourWithScansAlone) {
   const Drive d = drive({}, {}, {}, 0.4, 1.2, kNoWheels);
   EXPECT_LT(d.worst_m, 0.04);
   EXPECT_LT(d.worst_rad, 0.015);
   EXPECT_EQ(d.untracked, 0u);
 }
 
-TEST(Odometry, DeskewsATurningLidarAndTheSwitchTurnsItOff) {
+TEST(Tracker, DeskewsATurningLidarAndTheSwitchTurnsItOff) {
   ToyLidar lidar;
   lidar.turn_s = kPeriod;
   const Drive with = drive({}, lidar, {}, 0.5, 1.5, kNoWheels);
@@ -74,7 +74,7 @@ TEST(Odometry, DeskewsATurningLidarAndTheSwitchTurnsItOff) {
   EXPECT_GT(without.worst_m, 1.4 * with.worst_m);
 }
 
-TEST(Odometry, BeamsListedLastToFirstAreDeskewedAsWell) {
+TEST(Tracker, BeamsListedLastToFirstAreDeskewedAsWell) {
   ToyLidar lidar;
   lidar.turn_s = -kPeriod;
   const Drive d = drive({}, lidar, {}, 0.5, 1.5, kNoWheels);
@@ -84,13 +84,13 @@ TEST(Odometry, BeamsListedLastToFirstAreDeskewedAsWell) {
   EXPECT_LT(d.worst_rad, 0.15);
 }
 
-TEST(Odometry, MountedSidewaysAndUpsideDown) {
+TEST(Tracker, MountedSidewaysAndUpsideDown) {
   const Drive d = drive({}, {}, {0.3, -0.1, 2.0}, 0.4, 1.2, kNoWheels, true);
   EXPECT_LT(d.worst_m, 0.05);
   EXPECT_LT(d.worst_rad, 0.015);
 }
 
-TEST(Odometry, LyingWheelsAreOutvoted) {
+TEST(Tracker, LyingWheelsAreOutvoted) {
   // Wheels that count backwards steps as forward ones and drift to the side.
   Pose2 wheels;
   const auto lying = [&](std::size_t i, const std::vector<Pose2>& tour) {
@@ -106,7 +106,7 @@ TEST(Odometry, LyingWheelsAreOutvoted) {
   EXPECT_GT(d.wheels.agreed, 50u);
 }
 
-TEST(Odometry, JumpingWheelsAreNoticed) {
+TEST(Tracker, JumpingWheelsAreNoticed) {
   const auto jumping = [&](std::size_t i, const std::vector<Pose2>& tour) {
     return std::optional<Pose2>(i > 50 ? Pose2{50.0, -20.0, 1.0} * tour[i] : tour[i]);
   };
@@ -115,13 +115,13 @@ TEST(Odometry, JumpingWheelsAreNoticed) {
   EXPECT_EQ(d.wheels.jumped, 1u);
 }
 
-TEST(Odometry, HoldsStillAtRest) {
+TEST(Tracker, HoldsStillAtRest) {
   const auto walls = two_rooms();
   Random random(2);
-  Odometry odometry;
+  Tracker tracker;
   double farthest = 0.0;
   for (int i = 0; i < 300; ++i) {
-    const OdometryStep step = odometry.add({toy_scan(walls, {0, 0, 0.2}, {}, random, stamp_from_seconds(0.1 * i))});
+    const TrackerStep step = tracker.add({toy_scan(walls, {0, 0, 0.2}, {}, random, stamp_from_seconds(0.1 * i))});
     farthest = std::max(farthest, std::hypot(step.T_odom_mid.x, step.T_odom_mid.y));
     if (i > 200) {
       EXPECT_LT(std::abs(step.T_odom_mid.theta), 0.001);
@@ -130,10 +130,10 @@ TEST(Odometry, HoldsStillAtRest) {
   EXPECT_LT(farthest, 0.006);
 }
 
-TEST(Odometry, HostileScansNeverBreakIt) {
+TEST(Tracker, HostileScansNeverBreakIt) {
   const auto walls = two_rooms();
   Random random(5);
-  Odometry odometry;
+  Tracker tracker;
   const ScanGeometry g{-kPi, kTwoPi / 90, 0.0, 0.0};
   for (int i = 0; i < 120; ++i) {
     Scan scan;
@@ -160,15 +160,15 @@ TEST(Odometry, HostileScansNeverBreakIt) {
         break;
     }
     scan.stamp = i % 7 == 0 ? -1'000'000'000'000 : stamp_from_seconds(0.1 * i);
-    const OdometryStep step =
-        odometry.add({scan, "", {}, i % 5 == 0 ? std::optional<Pose2>(Pose2{1e8, std::nan(""), 0}) : std::nullopt});
+    const TrackerStep step =
+        tracker.add({scan, "", {}, i % 5 == 0 ? std::optional<Pose2>(Pose2{1e8, std::nan(""), 0}) : std::nullopt});
     EXPECT_TRUE(step.T_odom_mid.is_finite());
     EXPECT_TRUE(step.T_odom_stamp.is_finite());
     EXPECT_TRUE(step.information.allFinite());
   }
 }
 
-TEST(Odometry, TwoLasersThatShareNoViewAreNotTurnedAbout) {
+TEST(Tracker, TwoLasersThatShareNoViewAreNotTurnedAbout) {
   // Front and rear half of a room that looks alike after half a turn; neither sees what the other does.
   std::vector<testing::Wall> walls{
       {{-4.5, -3.1}, {4.5, -3.1}}, {{4.5, -3.1}, {4.5, 3.1}}, {{4.5, 3.1}, {-4.5, 3.1}}, {{-4.5, 3.1}, {-4.5, -3.1}}};
@@ -177,29 +177,29 @@ TEST(Odometry, TwoLasersThatShareNoViewAreNotTurnedAbout) {
   const ToyLidar half{.beams = 270, .range_max = 12.0, .field = kPi};
   const std::pair<std::string, Pose2> lasers[] = {{"front", {0.2, 0.0, 0.0}}, {"rear", {-0.2, 0.0, kPi}}};
   Random random(5);
-  Odometry odometry;
+  Tracker tracker;
   Pose2 truth;
   double farthest = 0.0;
   for (int i = 0; i < 120; ++i) {
     truth = truth * Pose2{0.02, 0.0, i > 40 && i < 90 ? 0.02 : 0.0};
     for (const auto& [name, T_base_laser] : lasers) {
       const Stamp stamp = stamp_from_seconds(0.05 * i + (name == "rear" ? 1e-6 : 0.0));
-      const OdometryStep step =
-          odometry.add({toy_scan(walls, truth * T_base_laser, half, random, stamp), name, T_base_laser});
+      const TrackerStep step =
+          tracker.add({toy_scan(walls, truth * T_base_laser, half, random, stamp), name, T_base_laser});
       farthest = std::max(farthest, translation_distance(Pose2{0.02, 0.0, 0.0} * step.T_odom_mid, truth));
     }
   }
   EXPECT_LT(farthest, 0.1);
 }
 
-TEST(Odometry, AMountingThatJittersIsTheSameLaser) {
+TEST(Tracker, AMountingThatJittersIsTheSameLaser) {
   // A transform that is looked up anew for each scan differs in its last bits, and a laser that pans in more than that.
   const auto walls = two_rooms();
   const auto tour = toy_tour(kPeriod, 0.4, 1.2);
   const ToyLidar half{.beams = 270, .range_max = 8.0, .field = kPi};
   for (const double pan : {0.0, 0.3}) {
     Random random(9), still_random(9);
-    Odometry odometry, still;
+    Tracker tracker, still;
     double worst_m = 0.0, still_m = 0.0;
     std::size_t keyframes = 0, still_keyframes = 0;
     for (std::size_t i = 0; i < tour.size(); ++i) {
@@ -208,13 +208,13 @@ TEST(Odometry, AMountingThatJittersIsTheSameLaser) {
       const Pose2 mounted{0.2, 0.0, 0.0},
           moved{0.2 + jitter, jitter, jitter + pan * std::sin(0.2 * static_cast<double>(i))};
       const Pose2 truth = tour[0].inverse() * tour[i];
-      const OdometryStep one = odometry.add({toy_scan(walls, tour[i] * moved, half, random, stamp), "front", moved});
-      const OdometryStep other =
+      const TrackerStep one = tracker.add({toy_scan(walls, tour[i] * moved, half, random, stamp), "front", moved});
+      const TrackerStep other =
           still.add({toy_scan(walls, tour[i] * mounted, half, still_random, stamp), "front", mounted});
-      keyframes += one.is_keyframe, still_keyframes += other.is_keyframe;
+      keyframes += one.keyframe, still_keyframes += other.keyframe;
       worst_m = std::max(worst_m, translation_distance(one.T_odom_stamp, truth));
       still_m = std::max(still_m, translation_distance(other.T_odom_stamp, truth));
-      EXPECT_TRUE(one.tracked) << i;
+      EXPECT_TRUE(one.tracked()) << i;
     }
     // A laser heard for the first time brings a keyframe: here that would be every scan.
     EXPECT_NEAR(static_cast<double>(keyframes), static_cast<double>(still_keyframes),
@@ -244,10 +244,10 @@ TEST(MapPoints, HitsThatScatterAlongTheirBeamsAreNoWall) {
   }
 }
 
-TEST(Odometry, RefusesOptionsOutOfBounds) {
+TEST(Tracker, RefusesOptionsOutOfBounds) {
   OdometryOptions options;
   options.cell_m = 0.0;
-  EXPECT_THROW(Odometry{options}, std::invalid_argument);
+  EXPECT_THROW(Tracker{options}, std::invalid_argument);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "odometry/small_things.hpp"
+#include "odometry/free_standing.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,28 +6,31 @@
 namespace phasescan {
 namespace {
 
-constexpr float kBehindM = 0.3F;        // between a thing and what is behind it
-constexpr float kWideM = 0.8F;          // more is a wall or a cupboard
-constexpr float kFarM = 4.0F;           // beyond, neighbouring hits of one wall may lie this far apart
-constexpr float kMostShare = 0.8F;      // of the hits: where there is little else, small things are what there is
-constexpr std::size_t kLeastLeft = 24;  // hits on other things
-constexpr float kOnOneThingM = 0.1F;    // hits on one thing lie so near to each other
-constexpr float kApartM = 0.8F;         // what moves with the robot has moved clear of where it stood
-constexpr int kMissingBeams = 3;        // a gap of more is a gap between things
+// What an object must be to stand free. Chosen on people, chairs and pillars of the recorded corridors.
+constexpr float kBehindM = 0.3F;  // [m] between an object and what is behind it
+constexpr float kWideM = 0.8F;    // [m] more is a wall or a cupboard
+constexpr float kFarM = 4.0F;     // [m] beyond, neighbouring hits of one wall may lie this far apart
+constexpr int kMissingBeams = 3;  // a gap of more is a gap between objects
+// Where there is little else, free-standing objects are what there is: none is marked.
+constexpr float kMostShare = 0.8F;      // of the hits that may be marked
+constexpr std::size_t kLeastLeft = 24;  // hits on other surfaces
+// Which are static.
+constexpr float kSameObjectM = 0.1F;  // [m] hits on one object lie so near to each other
+constexpr float kApartM = 0.8F;       // [m] what moves with the robot has moved clear of where it stood
 
 enum class Border { kNone, kFarther, kNearer, kGap };
 
 std::uint32_t bucket_of(float x, float y) {
-  const auto u = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(x / kOnOneThingM)));
-  const auto v = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(y / kOnOneThingM)));
+  const auto u = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(x / kSameObjectM)));
+  const auto v = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(y / kSameObjectM)));
   std::uint32_t h = u * 0x9E3779B1U ^ v * 0x85EBCA77U;
   h ^= h >> 15;
   return h;
 }
 
-bool share_cell(const SmallHit& a, const SmallHit& b) {
-  return std::floor(a.x / kOnOneThingM) == std::floor(b.x / kOnOneThingM) &&
-         std::floor(a.y / kOnOneThingM) == std::floor(b.y / kOnOneThingM);
+bool share_cell(const FreeStandingHit& a, const FreeStandingHit& b) {
+  return std::floor(a.x / kSameObjectM) == std::floor(b.x / kSameObjectM) &&
+         std::floor(a.y / kSameObjectM) == std::floor(b.y / kSameObjectM);
 }
 
 /// The last hit's beam stands next to the first one's.
@@ -40,7 +43,7 @@ bool goes_round(const SurfacePoints& surface) {
 
 }  // namespace
 
-void mark_small_things(const SurfacePoints& surface, std::vector<std::uint8_t>& out) {
+void mark_free_standing(const SurfacePoints& surface, std::vector<std::uint8_t>& out) {
   const std::size_t n = surface.size();
   out.assign(n, 0);
   if (n < 2) return;
@@ -83,8 +86,8 @@ void mark_small_things(const SurfacePoints& surface, std::vector<std::uint8_t>& 
   if (static_cast<float>(marked) > kMostShare * static_cast<float>(n) || n - marked < kLeastLeft) out.assign(n, 0);
 }
 
-void StayingThings::find(const std::vector<SmallHit>& hits, const std::vector<Pose2>& poses,
-                         std::vector<std::uint8_t>& out) {
+void StaticObjectFilter::find(const std::vector<FreeStandingHit>& hits, const std::vector<Pose2>& poses,
+                              std::vector<std::uint8_t>& out) {
   out.assign(hits.size(), 0);
   std::size_t size = 64;
   while (size < 2 * hits.size()) size *= 2;
@@ -110,8 +113,8 @@ void StayingThings::find(const std::vector<SmallHit>& hits, const std::vector<Po
     views_.push_back({static_cast<float>(std::cos(T.theta)), static_cast<float>(std::sin(T.theta)),
                       static_cast<float>(T.x), static_cast<float>(T.y)});
   const auto squared = [](float x, float y) { return x * x + y * y; };
-  const auto meets = [&](const SmallHit& a, const SmallHit& b) {
-    if (a.view == b.view || squared(a.x - b.x, a.y - b.y) > kOnOneThingM * kOnOneThingM) return false;
+  const auto meets = [&](const FreeStandingHit& a, const FreeStandingHit& b) {
+    if (a.view == b.view || squared(a.x - b.x, a.y - b.y) > kSameObjectM * kSameObjectM) return false;
     const View& v = views_[static_cast<std::size_t>(b.view)];
     return squared(v.cos * a.base_x - v.sin * a.base_y + v.x - a.x, v.sin * a.base_x + v.cos * a.base_y + v.y - a.y) >
            kApartM * kApartM;
@@ -123,8 +126,8 @@ void StayingThings::find(const std::vector<SmallHit>& hits, const std::vector<Po
       continue;
     }
     for (int k = 0; k < 9 && !out[i]; ++k) {
-      const float x = hits[i].x + static_cast<float>(k % 3 - 1) * kOnOneThingM,
-                  y = hits[i].y + static_cast<float>(k / 3 - 1) * kOnOneThingM;
+      const float x = hits[i].x + static_cast<float>(k % 3 - 1) * kSameObjectM,
+                  y = hits[i].y + static_cast<float>(k / 3 - 1) * kSameObjectM;
       for (std::int32_t j = heads_[bucket_of(x, y) & (size - 1)]; j >= 0; j = next_[static_cast<std::size_t>(j)]) {
         if (!meets(hits[i], hits[static_cast<std::size_t>(j)])) continue;
         out[i] = 1;

@@ -1,8 +1,8 @@
-/// Small things that stand free: pillars and chairs to hold on to, or people who walk by, ahead or behind.
+/// Narrow objects that stand free: pillars and chairs to localise by, or people who walk by, ahead or behind.
 ///
 /// A person who leads or follows the robot stays where it is in the robot's view, scan after scan; along a bare
-/// corridor nothing but that person tells how far the robot drove, and tells it wrongly. What stands in the world is
-/// seen there again after the robot has moved; what moves with the robot would by then have moved as far as it did.
+/// corridor nothing but that person tells how far the robot drove, and tells it wrongly. What is static is seen at the
+/// same place again after the robot has moved; what moves with the robot would by then have moved as far as it did.
 #pragma once
 
 #include <cstdint>
@@ -13,25 +13,25 @@
 
 namespace phasescan {
 
-/// Marks the hits on something narrow with farther things, or nothing, to both sides of it: out[i] = 1 for hit i.
+/// Marks the hits on something narrow with farther surfaces, or nothing, to both sides of it: out[i] = 1 for hit i.
 /// The ends of a view of less than the full circle are open. None is marked where most of the hits would be.
 /// @cost O(hits)
-void mark_small_things(const SurfacePoints& surface, std::vector<std::uint8_t>& out);
+void mark_free_standing(const SurfacePoints& surface, std::vector<std::uint8_t>& out);
 
-/// A hit on a small thing, seen from one of several poses.
-struct SmallHit {
+/// A hit on such an object, seen from one of several poses.
+struct FreeStandingHit {
   float x = 0, y = 0;            ///< in the frame of the map [m]
   float base_x = 0, base_y = 0;  ///< in the frame of the robot that saw it [m]
   int view = 0;                  ///< index of the pose it was seen from
 };
 
-/// Which small things stay: out[i] = 1 if hit i was met by one of another view from which a thing that moves with the
-/// robot would have been seen elsewhere.
+/// Which of them are static: out[i] = 1 if hit i was met by one of another view from which an object that moves with
+/// the robot would have been seen elsewhere.
 /// @param poses  T_map_base by view
 /// @cost O(hits * views) at worst, a few lookups a hit as a rule
-class StayingThings {
+class StaticObjectFilter {
  public:
-  void find(const std::vector<SmallHit>& hits, const std::vector<Pose2>& poses, std::vector<std::uint8_t>& out);
+  void find(const std::vector<FreeStandingHit>& hits, const std::vector<Pose2>& poses, std::vector<std::uint8_t>& out);
 
  private:
   struct View {
