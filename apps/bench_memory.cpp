@@ -8,6 +8,7 @@
 #include <deque>
 #include <fstream>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
@@ -108,7 +109,7 @@ int run_memory(const MemoryFlags& flags) {
     const auto scan = drive.next();
     if (!scan) break;
     if (slam.records().empty()) T_world_start = scan->T_world_laser;
-    slam.add(scan->entry.scan);
+    slam.add({scan->entry.scan});
     errors.add(slam, T_world_start.inverse() * scan->T_world_laser);
     if (slam.records().size() == flags.settled) {
       settled_bytes = resident_bytes();
@@ -127,6 +128,8 @@ int run_memory(const MemoryFlags& flags) {
       errors.largest_m(), errors.share_far_off(), 1e3 * (process_cpu_seconds() - cpu) / static_cast<double>(n)));
   return n == flags.scans && grown <= static_cast<double>(64 * n + 5'000'000) ? kDone : kAnswerIsNo;
 }
+
+}  // namespace
 
 void add_memory_command(CLI::App& app, CommandBody& body) {
   auto* bench = app.get_subcommand("bench");
@@ -156,7 +159,4 @@ void add_memory_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_memory(*flags); }; });
 }
 
-const CommandRegistration kMemory{32, add_memory_command};
-
-}  // namespace
 }  // namespace phasescan::app

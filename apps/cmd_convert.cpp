@@ -1,10 +1,11 @@
 // phasescan convert IN OUT: from any readable log format to any writable one.
 #include <memory>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/log_writer.hpp"
 #include "io/odometry_source.hpp"
+#include "output/convert_targets.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -14,27 +15,18 @@ struct ConvertFlags {
   LogOptions options;
 };
 
-LogTarget target_of(const ConvertFlags& flags) {
-  if (flags.to.empty()) return log_target_for(flags.out);
-  const auto& names = log_target_names();
-  return static_cast<LogTarget>(std::find(names.begin(), names.end(), flags.to) - names.begin());
-}
-
 int run_convert(const ConvertFlags& flags) {
-  const LogTarget target = target_of(flags);
+  const std::string target = flags.to.empty() ? convert_target_for(flags.out) : flags.to;
   const auto reader = open_log(flags.in, flags.options);
-  const auto writer = make_log_writer(target, flags.out);
-  const bool odometry = find_odometry_source(flags.in, flags.options).usable;
+  const auto writer = make_convert_writer(target, flags.out);
+  JudgedLog log(*reader);
   bool left_out = false;
   InterruptGuard guard;
   Progress progress("converted", 0);
   std::size_t scans = 0;
-  while (auto entry = reader->next()) {
-    // The copy says no more what the poses of a mapping program are.
-    if (!odometry && entry->odometry && entry->corrected) {
-      entry->odometry.reset();
-      left_out = true;
-    }
+  while (const auto entry = log.next()) {
+    // The copy says no more what the poses of a mapping program are: its odometry is taken off.
+    left_out = left_out || (entry->corrected && !entry->odometry);
     writer->add(*entry);
     progress.step(++scans);
     if (InterruptGuard::interrupted()) break;
@@ -52,6 +44,8 @@ int run_convert(const ConvertFlags& flags) {
   return code;
 }
 
+}  // namespace
+
 void add_convert_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("convert", "a log in another format");
   auto flags = std::make_shared<ConvertFlags>();
@@ -60,12 +54,9 @@ void add_convert_command(CLI::App& app, CommandBody& body) {
       ->required()
       ->check(not_empty());
   command->add_option("--to", flags->to, "the format, whatever OUT is called")
-      ->check(CLI::IsMember(log_target_names()));
+      ->check(CLI::IsMember(convert_target_names()));
   add_log_flags(*command, flags->options);
   command->callback([flags, &body] { body = [flags] { return run_convert(*flags); }; });
 }
 
-const CommandRegistration kConvert{61, add_convert_command};
-
-}  // namespace
 }  // namespace phasescan::app

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "phasescan/io/log_writer.hpp"
+#include "io/even_scan.hpp"
+#include "io/laser_names.hpp"
 #include "phasescan/map/trinary_map.hpp"
 #include "slam_output.hpp"
 

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "io/file.hpp"
-#include "io/g2o.hpp"
-#include "io/map_file.hpp"
+#include "output/g2o.hpp"
+#include "output/map_file.hpp"
 #include "io/tum.hpp"
 #include "phasescan/map/trinary_map.hpp"
 #include "report/slam_report.hpp"
@@ -44,7 +44,7 @@ double path_length(const std::vector<Pose2>& poses) {
 
 Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& trajectory, const TrinaryMap& map) {
   const LoopCounts loops = slam.backend().loop_counts();
-  const auto& wheels = slam.odometry().wheels().counts();
+  const auto& wheels = slam.tracker().state().motion.wheels.counts;
   Json warnings = Json::object();
   for (const auto& [kind, count] : run.damages) warnings[kind] = count;
   for (const auto& [kind, oddity] : run.check->oddities()) warnings[kind] = oddity.count;
@@ -83,10 +83,10 @@ Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& 
             {"slipped", wheels.slipped},
             {"jumped", wheels.jumped}}},
           {"laser",
-           {{"x", run.mount.T_base_laser.x},
-            {"y", run.mount.T_base_laser.y},
-            {"theta", run.mount.T_base_laser.theta},
-            {"flipped", run.mount.flipped}}},
+           {{"x", run.T_base_laser.x},
+            {"y", run.T_base_laser.y},
+            {"theta", run.T_base_laser.theta},
+            {"flipped", run.flipped}}},
           {"map",
            {{"width", map.width},
             {"height", map.height},

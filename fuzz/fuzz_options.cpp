@@ -2,7 +2,7 @@
 #include <stdexcept>
 
 #include "fuzz_file.hpp"
-#include "io/config.hpp"
+#include "config/config.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const phasescan::fuzz::MemoryFile file(data, size);

@@ -1,34 +1,125 @@
 #!/usr/bin/env python3
-"""Data flows one way: fails on an #include that points up the layers, lists files over 300 lines."""
+"""Who may include whom: fails on an #include that GRAPH does not allow, lists files over 300 lines.
+
+A new folder is one line of GRAPH; a new arrow is one word in it. `--graph` prints what is really included.
+"""
+import collections
 import pathlib
 import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-CORE = ["core", "scan", "image", "spectrum", "rotation", "translation", "refine", "match", "odometry", "graph", "map", "slam"]
-# Around the core, never included by it; each may include what stands before it.
-AROUND = ["io", "sim", "report", "eval"]
-ORDER = CORE + AROUND
-INCLUDE = re.compile(r'#include "(?:phasescan/)?([a-z0-9_]+)/')
+
+# Folder of src/ and include/phasescan/, and the folders it may include besides itself. Nothing may lead back.
+GRAPH = """
+core
+scan         core
+refine       core scan
+match        core scan refine
+fft_icp      core scan refine match
+methods      core scan match fft_icp
+odometry     core scan match refine
+graph        core
+map          core scan
+slam         core scan match odometry graph map
+io           core scan
+sim          core scan io
+config       core methods io match fft_icp slam
+output       core scan graph map match methods slam io
+report       core scan match graph map slam output io
+eval         core scan match fft_icp methods odometry slam sim config output report io
+"""
+# Around the core: tests of any folder may use these to make and read their inputs.
+TOOLS = {"io", "sim", "config", "output", "eval"}
+# What stands on top of all and is included by nothing but itself.
+TOP = ["apps", "bench", "fuzz", "tests/apps", "tests/interop", "tests/simd", "tests/slow", "tests/slow_io", "tests/package",
+       "tests/support"]
+INCLUDE = re.compile(r'#\s*include "([^"]+)"')
+
+
+def read_graph(text: str) -> dict[str, set[str]]:
+    graph: dict[str, set[str]] = {}
+    for line in text.strip().splitlines():
+        folder, *others = line.split()
+        unknown = [name for name in others if name not in graph]
+        if unknown:  # a folder is named before those that include it, so the graph has no circle
+            sys.exit(f"check_layers: {folder} may include {' '.join(unknown)}, which must stand above it")
+        graph[folder] = set(others)
+    return graph
+
+
+def folder_of(include: str) -> str:
+    """The folder an include leads to: "phasescan/scan/scan.hpp" and "scan/points.hpp" both to scan."""
+    parts = include.split("/")
+    if parts[0] == "phasescan":
+        parts = parts[1:]
+    return parts[0] if len(parts) > 1 else ""
+
+
+def below(folder: str, graph: dict[str, set[str]]) -> set[str]:
+    """All that a folder stands on, directly or not: its tests may build their inputs with them."""
+    return graph[folder].union(*(below(other, graph) for other in graph[folder]))
+
+
+def allowed_for(place: str, graph: dict[str, set[str]]) -> set[str] | None:
+    """What files of a place ("src/io", "tests/scan", "apps") may include; None: it is in no list."""
+    top, _, folder = place.partition("/")
+    if place in TOP or top in TOP:
+        return set(graph) | {"support", "simd"}
+    if folder not in graph:
+        return None
+    if top == "tests":
+        return below(folder, graph) | {folder, "support"} | TOOLS
+    return graph[folder] | {folder}
+
+
+def place_of(path: pathlib.Path) -> str:
+    parts = path.relative_to(ROOT).parts
+    if parts[:2] == ("include", "phasescan"):
+        return f"include/{parts[2]}" if len(parts) > 3 else "include/core"
+    return "/".join(parts[:2]) if parts[0] in ("src", "tests") and len(parts) > 2 else parts[0]
+
+
+def sources() -> list[pathlib.Path]:
+    found = []
+    for base in ("include", "src", "apps", "tests", "bench", "fuzz", "examples"):
+        found += [p for p in (ROOT / base).rglob("*") if p.suffix in (".hpp", ".cpp", ".inc", ".h")]
+    return sorted(found)
 
 
 def main() -> int:
+    graph = read_graph(GRAPH)
     bad = 0
-    for base in (ROOT / "include/phasescan", ROOT / "src"):
-        for path in sorted(base.rglob("*.[ch]pp")):
-            layer = path.relative_to(base).parts[0]
-            if layer not in ORDER:
-                print(f"{path.relative_to(ROOT)}: folder {layer} has no place in the layers")
-                bad += 1
+    seen = collections.defaultdict(set)
+    for path in sources():
+        name, place = path.relative_to(ROOT), place_of(path)
+        lines = path.read_text().splitlines()
+        if place == "examples" or name == pathlib.Path("include/phasescan/phasescan.hpp"):
+            allowed = set(graph)
+        else:
+            allowed = allowed_for(place, graph)
+        if allowed is None:
+            print(f"{name}: folder {place} has no line in GRAPH")
+            bad += 1
+            continue
+        for number, line in enumerate(lines, 1):
+            found = INCLUDE.match(line)
+            folder = folder_of(found[1]) if found else ""
+            if not folder:
                 continue
-            lines = path.read_text().splitlines()
-            for number, line in enumerate(lines, 1):
-                found = INCLUDE.match(line)
-                if found and found[1] in ORDER and ORDER.index(found[1]) > ORDER.index(layer):
-                    print(f"{path.relative_to(ROOT)}:{number}: {layer} may not include {found[1]}")
-                    bad += 1
-            if len(lines) > 300:
-                print(f"note: {path.relative_to(ROOT)} has {len(lines)} lines: is it two of something?")
+            if place.startswith(("src/", "include/")):
+                seen[place.partition("/")[2]].add(folder)
+            if place == "examples" and not found[1].startswith("phasescan/"):
+                print(f"{name}:{number}: an example includes the public headers alone")
+                bad += 1
+            elif folder not in allowed:
+                print(f"{name}:{number}: {place.replace('src/', '').replace('include/', '')} may not include {folder}")
+                bad += 1
+        if len(lines) > 300 and place.startswith(("src", "include")):
+            print(f"note: {name} has {len(lines)} lines: is it two of something?")
+    if "--graph" in sys.argv[1:]:
+        for folder in graph:
+            print(f"{folder:12} {' '.join(name for name in graph if name in seen[folder] - {folder})}")
     return 1 if bad else 0
 
 

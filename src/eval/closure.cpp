@@ -36,7 +36,6 @@ constexpr double kMostTurned = 0.35;  // of a smaller one that two scans may be 
 struct Kept {
   Scan scan;
   Pose2 T_base_laser;
-  bool flipped = false;
 };
 
 }  // namespace
@@ -62,7 +61,7 @@ Closure closure_errors(LogReader& log, std::span<const StampedPose> trajectory, 
   std::size_t count = 0;
   for (auto entry = log.next(); entry; entry = log.next(), ++count) {
     if (const auto at = kept.find(count); at != kept.end())
-      at->second = {std::move(entry->scan), entry->T_base_laser, entry->flipped};
+      at->second = {entry->flipped ? mirrored_scan(entry->scan) : std::move(entry->scan), entry->T_base_laser};
   }
   if (count != n) {
     throw std::invalid_argument("closure: the log has " + std::to_string(count) + " scans, the trajectory " +
@@ -72,7 +71,6 @@ Closure closure_errors(LogReader& log, std::span<const StampedPose> trajectory, 
   ScanMatcher matcher;
   for (const auto& [first, second] : pairs) {
     const Kept &a = kept[first], &b = kept[second];
-    if (a.flipped || b.flipped) continue;
     const double turned = angle_distance(trajectory[first].pose.theta, trajectory[second].pose.theta);
     if (field_of(a.scan) < kWholeTurn && turned > kMostTurned * field_of(a.scan)) continue;
     ++closure.looked_at;

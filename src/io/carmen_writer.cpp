@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "io/even_scan.hpp"
 #include "io/log_writers.hpp"
 #include "io/file.hpp"
 #include "io/number.hpp"

@@ -1,19 +1,17 @@
 #include "io/rosbag2_files.hpp"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include "phasescan/io/error.hpp"
+#include "io/yaml.hpp"
 
 namespace phasescan {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kMostMetadataBytes = std::uintmax_t{1} << 24;
+constexpr std::size_t kMostMetadataBytes = std::size_t{1} << 24;
 constexpr std::size_t kMostFiles = 100'000;
 
 /// metadata.yaml names the files relative to the folder; before version 4 with the folder's own name in front.
@@ -27,14 +25,11 @@ std::string split_path(const fs::path& folder, const std::string& stated) {
 }
 
 Rosbag2Files read_metadata(const fs::path& folder, const fs::path& metadata) {
-  std::error_code error;
-  if (fs::file_size(metadata, error) > kMostMetadataBytes || error) {
-    throw InputError(metadata.string(), 0, "larger than 16 MiB, or not readable; expected the metadata of rosbag2");
-  }
   Rosbag2Files out;
   try {
-    std::ifstream file(metadata);
-    const YAML::Node info = YAML::Load(file)["rosbag2_bagfile_information"];
+    const YAML::Node root = read_yaml(metadata.string(), {kMostMetadataBytes, 8 * kMostFiles, 32});
+    if (!root.IsMap()) throw InputError(metadata.string(), 1, "is no map; expected the metadata of rosbag2");
+    const YAML::Node info = root["rosbag2_bagfile_information"];
     const YAML::Node paths = info["relative_file_paths"];
     if (!paths || !paths.IsSequence()) {
       throw InputError(metadata.string(), 0, "no relative_file_paths; expected the metadata of rosbag2");
@@ -47,6 +42,8 @@ Rosbag2Files read_metadata(const fs::path& folder, const fs::path& metadata) {
       const YAML::Node value = info[name];
       if (value && value.IsScalar() && !value.Scalar().empty()) out.about[name] = value.Scalar();
     }
+  } catch (const SystemError& problem) {  // not readable: the files are there all the same
+    throw InputError(metadata.string(), 0, std::string(problem.what()) + "; expected the metadata of rosbag2");
   } catch (const YAML::Exception& problem) {
     throw InputError(metadata.string(), problem.mark.line + 1, problem.msg + "; expected the metadata of rosbag2");
   }

@@ -92,7 +92,7 @@ double OccupancyGrid::log_odds(int i, int k) const {
   return value == kUnknown ? 0.0 : value / kStepsPerUnit;
 }
 
-void OccupancyGrid::add_scan(const Scan& scan, const Pose2& T_map_laser, bool flipped, const Twist2& twist) {
+void OccupancyGrid::add_scan(const Scan& scan, const Pose2& T_map_laser, const Twist2& twist) {
   const int n = static_cast<int>(scan.size());
   const bool moving = !twist.is_zero() && scan.time_increment != 0.0;
   struct Ray {
@@ -100,7 +100,7 @@ void OccupancyGrid::add_scan(const Scan& scan, const Pose2& T_map_laser, bool fl
   };
   const auto ray_of = [&](int b) {
     const Pose2 pose = moving ? T_map_laser * exp_twist(twist, b * scan.time_increment) : T_map_laser;
-    const double angle = pose.theta + (flipped ? -1.0 : 1.0) * scan.angle(static_cast<std::size_t>(b));
+    const double angle = pose.theta + scan.angle(static_cast<std::size_t>(b));
     return Ray{pose.translation(), {std::cos(angle), std::sin(angle)}};
   };
   std::vector<std::pair<int, int>> hits;

@@ -12,7 +12,7 @@ std::vector<ViewRay> view_rays(const PlacedScan& view, double* step_rad) {
   for (std::size_t b = 0; b < scan.size(); ++b) {
     const Pose2 pose = moving ? view.T_map_laser * exp_twist(view.twist, static_cast<double>(b) * scan.time_increment)
                               : view.T_map_laser;
-    const double angle = pose.theta + (view.flipped ? -1.0 : 1.0) * scan.angle(b);
+    const double angle = pose.theta + scan.angle(b);
     ViewRay& ray = rays[b];
     ray.from = pose.translation();
     ray.direction = {std::cos(angle), std::sin(angle)};

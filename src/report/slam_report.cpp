@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/map_file.hpp"
+#include "output/map_file.hpp"
 #include "report/chart.hpp"
 #include "report/html.hpp"
 #include "report/svg.hpp"

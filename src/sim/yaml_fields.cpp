@@ -17,11 +17,8 @@ bool is_of(const std::filesystem::path& file, const std::string& folder) {
 }  // namespace
 
 YAML::Node load_yaml(const std::string& text, const std::string& name) {
-  try {
-    return YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw InputError(name, error.mark.line + 1, "not YAML: " + error.msg);
-  }
+  // A world may be a whole floor plan of walls.
+  return parse_yaml(text, name, {std::size_t{1} << 24, 2'000'000, 32});
 }
 
 std::string find_config(const std::string& path_or_name, const std::string& folder, std::string& name) {

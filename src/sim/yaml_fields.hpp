@@ -11,6 +11,7 @@
 
 #include "phasescan/core/options.hpp"
 #include "phasescan/io/error.hpp"
+#include "io/yaml.hpp"
 
 namespace phasescan::sim {
 

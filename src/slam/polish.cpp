@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/motion.hpp"
 #include "odometry/registration.hpp"
 #include "odometry/scan_clock.hpp"
 #include "scan/surface.hpp"
@@ -63,9 +64,9 @@ std::vector<Pose2> polish_trajectory(const Backend& backend, const ScanStore& sc
         twist = {t.vx / step_s, t.vy / step_s, t.omega / step_s};
       }
     }
-    const LaserMount& mount = scans.mount(i);
-    find_surface(scan, mount.laser_twist(twist), work, surface, kTrackingLines);
-    to_map_points(surface, mount, options.map_range_m, points);
+    const Pose2& T_base_laser = scans.T_base_laser(i);
+    find_surface(scan, twist_of_frame(T_base_laser, twist), work, surface, kTrackingLines);
+    to_map_points(surface, T_base_laser, options.map_range_m, points);
     PosePrior prior;
     prior.T_map_base = map.T_world_map().inverse() * guess[i];
     prior.information.diagonal() << 1.0 / (0.03 * 0.03), 1.0 / (0.03 * 0.03), 1.0 / (0.01 * 0.01);

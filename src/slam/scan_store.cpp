@@ -23,22 +23,23 @@ bool same(const ScanGeometry& a, const ScanGeometry& b) {
 
 }  // namespace
 
-std::size_t ScanStore::add(const Scan& scan, const LaserMount& mount) {
+std::size_t ScanStore::add(const Scan& scan, const Pose2& T_base_laser) {
   Entry entry;
   entry.stamp = scan.stamp;
+  entry.T_base_laser = T_base_laser;
   entry.ranges.resize(scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) entry.ranges[i] = encode(scan.ranges[i], scan.states[i]);
   // The newest kinds are looked at first; a log whose every scan has its own angles makes one kind per scan.
   std::size_t kind = kinds_.size();
   for (std::size_t k = kinds_.size(), looked = 0; k-- > 0 && looked < 4; ++looked) {
     const Kind& known = kinds_[k];
-    if (same(known.geometry, scan.geometry) && known.time_increment == scan.time_increment && known.mount == mount &&
+    if (same(known.geometry, scan.geometry) && known.time_increment == scan.time_increment &&
         known.angles == scan.angles) {
       kind = k;
       break;
     }
   }
-  if (kind == kinds_.size()) kinds_.push_back({scan.geometry, scan.time_increment, scan.angles, mount});
+  if (kind == kinds_.size()) kinds_.push_back({scan.geometry, scan.time_increment, scan.angles});
   entry.kind = static_cast<std::uint32_t>(kind);
   entries_.push_back(std::move(entry));
   return entries_.size() - 1;

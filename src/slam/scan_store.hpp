@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "odometry/map_points.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "phasescan/scan/scan.hpp"
 
 namespace phasescan {
@@ -14,22 +14,24 @@ namespace phasescan {
 class ScanStore {
  public:
   /// @return the number to ask for it with
-  std::size_t add(const Scan& scan, const LaserMount& mount);
+  std::size_t add(const Scan& scan, const Pose2& T_base_laser);
   /// @throws std::out_of_range
   Scan scan(std::size_t index) const;
-  const LaserMount& mount(std::size_t index) const { return kinds_[entries_.at(index).kind].mount; }
+  const Pose2& T_base_laser(std::size_t index) const { return entries_.at(index).T_base_laser; }
   std::size_t size() const { return entries_.size(); }
+  /// Sets of angles and limits that are kept: one a laser as a rule.
+  std::size_t kinds() const { return kinds_.size(); }
 
  private:
   struct Kind {
     ScanGeometry geometry;
     double time_increment = 0.0;
     std::vector<float> angles;
-    LaserMount mount;
   };
   struct Entry {
     Stamp stamp = 0;
     std::uint32_t kind = 0;
+    Pose2 T_base_laser;  // of this scan: a mounting may jitter or pan
     std::vector<std::uint16_t> ranges;
   };
   std::vector<Kind> kinds_;

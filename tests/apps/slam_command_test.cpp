@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "io/map_file.hpp"
+#include "output/map_file.hpp"
 #include "io/tum.hpp"
 #include "support/command.hpp"
 #include "support/toy_log.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "io/map_file.hpp"
+#include "output/map_file.hpp"
 #include "io/tum.hpp"
 #include "support/command.hpp"
 

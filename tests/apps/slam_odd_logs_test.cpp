@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "io/map_file.hpp"
+#include "output/map_file.hpp"
 #include "io/tum.hpp"
 #include "support/command.hpp"
 #include "support/toy_log.hpp"

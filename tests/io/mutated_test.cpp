@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/random.hpp"
-#include "io/config.hpp"
+#include "config/config.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/log.hpp"
 #include "io/pairs.hpp"

@@ -107,11 +107,11 @@ TEST(OccupancyGrid, MissingBeamsClearOnlyBetweenNeighbours) {
   EXPECT_THROW(OccupancyGrid(OccupancyOptions{0.0}), std::invalid_argument);
 }
 
-TEST(OccupancyGrid, FlippedLaserSeesMirrored) {
+TEST(OccupancyGrid, ALaserUpsideDownIsDrawnFromItsMirroredScan) {
   OccupancyOptions options;
   options.resolution_m = 0.1;
   OccupancyGrid grid(options);
-  grid.add_scan(scan_of({1.0F}, kPi / 2, 0.1), {0.05, 0.05, 0.0}, true);
+  grid.add_scan(mirrored_scan(scan_of({1.0F}, kPi / 2, 0.1)), {0.05, 0.05, 0.0});
   EXPECT_GT(grid.log_odds(0, -10), 0.0);
   EXPECT_FALSE(grid.known(0, 9));
 }

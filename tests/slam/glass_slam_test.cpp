@@ -24,7 +24,7 @@ Claims tour(sim::WorldKind kind, std::uint64_t seed) {
   Pose2 T_world_map;
   while (const auto scan = drive.next()) {
     if (slam.records().empty()) T_world_map = scan->T_world_laser;
-    slam.add(scan->entry.scan);
+    slam.add({scan->entry.scan});
   }
   slam.finish();
   Claims claims;

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "eval/trajectory_error.hpp"
-#include "io/g2o.hpp"
-#include "io/map_file.hpp"
+#include "output/g2o.hpp"
+#include "output/map_file.hpp"
 #include "io/tum.hpp"
 #include "support/toy_world.hpp"
 
@@ -31,7 +31,7 @@ TourResult run_tour(SlamOptions options, int threads, int laps) {
   Slam slam(options, threads);
   AssociatedPoses pairs;
   for (std::size_t i = 0; i < tour.size(); ++i) {
-    slam.add(toy_scan(walls, tour[i], {}, random, stamp_from_seconds(0.18 * static_cast<double>(i))));
+    slam.add({toy_scan(walls, tour[i], {}, random, stamp_from_seconds(0.18 * static_cast<double>(i)))});
     pairs.reference.push_back(tour[i]);
   }
   slam.finish();
@@ -73,11 +73,12 @@ TEST(Slam, WhatIsAskedForWhileABatchIsInWorkIsTheSameForOneAndTwoThreads) {
     const auto say = [&said](const Pose2& p) {
       said += std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.theta) + "\n";
     };
-    slam.add(Scan{});
+    slam.add({});
     for (std::size_t i = 0; i + 1 < tour.size(); ++i) {
       const Twist2 step = log_pose(tour[i].inverse() * tour[i + 1]);
       const Twist2 twist{step.vx / 0.18, step.vy / 0.18, step.omega / 0.18};
-      slam.add(toy_scan(walls, tour[i], lidar, random, stamp_from_seconds(1.0 + 0.18 * static_cast<double>(i)), twist));
+      slam.add(
+          {toy_scan(walls, tour[i], lidar, random, stamp_from_seconds(1.0 + 0.18 * static_cast<double>(i)), twist)});
       if (i % 5 != 0) continue;
       for (const Pose2& p : slam.trajectory()) say(p);
       for (const Pose2& p : slam.odometry_trajectory()) say(p);
@@ -102,7 +103,7 @@ TEST(Slam, BoundedMemoryKeepsTheMapAndStopsGrowingInAKnownWorld) {
   AssociatedPoses pairs;
   std::size_t nodes_halfway = 0;
   for (std::size_t i = 0; i < tour.size(); ++i) {
-    slam.add(toy_scan(walls, tour[i], {}, random, stamp_from_seconds(0.18 * static_cast<double>(i))));
+    slam.add({toy_scan(walls, tour[i], {}, random, stamp_from_seconds(0.18 * static_cast<double>(i)))});
     if (i == tour.size() / 2) nodes_halfway = slam.backend().keyframes().size();
   }
   slam.finish();
@@ -118,10 +119,10 @@ TEST(Slam, OnePosePerScanWhateverComes) {
   Slam slam;
   Random random(1);
   const auto walls = two_rooms();
-  slam.add(Scan{});
-  slam.add(make_scan(std::vector<float>(100, 0.0F), {-1.0, 0.01, 0.0, 0.0}));
-  for (int i = 0; i < 5; ++i) slam.add(toy_scan(walls, {0.02 * i, 0, 0}, {}, random, stamp_from_seconds(0.1 * i)));
-  slam.repeat(toy_scan(walls, {0.08, 0, 0}, {}, random, stamp_from_seconds(0.4)));
+  slam.add({});
+  slam.add({make_scan(std::vector<float>(100, 0.0F), {-1.0, 0.01, 0.0, 0.0})});
+  for (int i = 0; i < 5; ++i) slam.add({toy_scan(walls, {0.02 * i, 0, 0}, {}, random, stamp_from_seconds(0.1 * i))});
+  slam.repeat({toy_scan(walls, {0.08, 0, 0}, {}, random, stamp_from_seconds(0.4))});
   slam.finish();
   ASSERT_EQ(slam.trajectory().size(), 8u);
   for (const Pose2& p : slam.trajectory()) EXPECT_TRUE(p.is_finite());
@@ -135,7 +136,7 @@ TEST(Slam, TheFirstKeyframeIsDrawnAsUnbentAsTheOthers) {
   Random random(4);
   Slam slam;
   for (int i = 0; i < 6; ++i) {
-    slam.add(toy_scan(two_rooms(), {0, 0, 0.18 * i}, lidar, random, stamp_from_seconds(1.0 + 0.18 * i), turning));
+    slam.add({toy_scan(two_rooms(), {0, 0, 0.18 * i}, lidar, random, stamp_from_seconds(1.0 + 0.18 * i), turning)});
   }
   slam.finish();
   EXPECT_NEAR(slam.backend().keyframes().front().twist.omega, 1.0, 0.1);
@@ -150,6 +151,14 @@ TEST(ScanStore, KeepsRangesAndReasonsAndMakesNoWallOfWhatIsTooFar) {
   EXPECT_EQ(kept.states[2], BeamState::kOutOfRange);
   EXPECT_EQ(kept.states[3], scan.states[3]);
   EXPECT_EQ(kept.states[4], scan.states[4]);
+}
+
+TEST(ScanStore, AMountingThatJittersMakesNoKindOfItsOwn) {
+  ScanStore store;
+  const Scan scan = make_scan(std::vector<float>(360, 2.0F), {0.0, 0.017, 0.1, 8.0});
+  for (int i = 0; i < 50; ++i) store.add(scan, {0.1, 0.0, 1e-15 * i});
+  EXPECT_EQ(store.kinds(), 1u);
+  EXPECT_EQ(store.T_base_laser(40).theta, 1e-15 * 40);
 }
 
 TEST(Slam, NothingAtAllIsAnEmptyMap) {
