@@ -16,7 +16,7 @@ from .entries import ROOT
 # Kernels once, for the baseline CPU: what mutants change is the same for every target. NDEBUG as in a release build.
 FLAGS = ["-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG", "-DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC",
          "-DBUILD_SHARED_LIBS=ON", "-DCMAKE_EXE_LINKER_FLAGS=-Wl,--enable-new-dtags", "-DCMAKE_SHARED_LINKER_FLAGS=-Wl,--enable-new-dtags",
-         "-DCMAKE_LINK_DEPENDS_NO_SHARED=ON", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DPHASESCAN_BUILD_BENCH=OFF", "-DPHASESCAN_COMPILE_TOGETHER=OFF"]
+         "-DCMAKE_LINK_DEPENDS_NO_SHARED=ON", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DPHASESCAN_BUILD_BENCH=OFF"]
 
 
 class BuildFailed(Exception):
