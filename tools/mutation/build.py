@@ -48,8 +48,7 @@ class Build:
         """The test programs asked for and all shared libraries of ours, each with its objects."""
         found = {}
         text = (self.folder / "build.ninja").read_text().replace("$\n", " ")
-        for target, inputs in re.findall(r"^build ([^:|]+?)(?: \|[^:]*)?: CXX_(?:SHARED_LIBRARY|EXECUTABLE)_LINKER\S* ([^|\n]*)", text, re.M):
-            target = target.strip()
+        for target, inputs in re.findall(r"^build (\S+)[^:\n]*: CXX_(?:SHARED_LIBRARY|EXECUTABLE)_LINKER\S* ([^|\n]*)", text, re.M):
             if re.search(r"\.so(\.\d+)*$", target) or pathlib.Path(target).name in programs:
                 found[target] = [word for word in inputs.split() if word.endswith(".o")]
         return found
