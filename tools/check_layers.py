@@ -26,6 +26,7 @@ map          core scan
 slam         core scan image spectrum match odometry graph map
 io           core scan
 sim          core scan io
+calibrate    core scan io sim
 config       core io match slam
 output       core scan graph map match io
 report       core scan match graph map output io

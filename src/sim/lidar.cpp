@@ -75,14 +75,15 @@ double patch_number(const Vector2d& place, double patch_m, std::uint64_t which) 
 }
 
 /// Share of beams lost on a surface besides those lost everywhere.
-double surface_loss(const LidarOptions& lidar, const Vector2d& place, double range) {
+/// @param by_edge  share lost as an edge is near
+double surface_loss(const LidarOptions& lidar, const Vector2d& place, double range, double by_edge) {
   const SensorEffects& effects = lidar.effects;
   const double by_range =
       effects.dropout_ranges_m.empty() ? 0.0 : table_value(effects.dropout_ranges_m, effects.dropout_shares, range);
   double by_patch = 0.0;
   if (effects.patch_share > 0.0 && patch_number(place, effects.patch_m, 1) < effects.patch_share)
     by_patch = patch_number(place, effects.patch_m, 2);
-  return 1.0 - (1.0 - by_range) * (1.0 - by_patch);
+  return 1.0 - (1.0 - by_range) * (1.0 - by_patch) * (1.0 - by_edge);
 }
 
 /// What the sensor says to a true range; 0 = nothing.
@@ -192,6 +193,7 @@ struct Beams {
   std::vector<Pose2> poses;    ///< one, or one a beam
   std::vector<double> angles;  ///< in the world; with a tilt, in the sensor's plane
   std::vector<RayHit> hits;
+  std::vector<bool> sampled;  ///< empty: all
 
   const Pose2& pose(std::size_t i) const { return poses[poses.size() > 1 ? i : 0]; }
 };
@@ -208,12 +210,50 @@ Beams cast_beams(const Surroundings& around, const LidarOptions& lidar, const Re
   for (std::size_t i = 0; i < count; ++i) {
     beams.angles[i] = beams.pose(i).theta + first + static_cast<double>(i) * step + revolution.turn;
     if (!revolution.offsets.empty()) {
+      beams.sampled.resize(count);
       if (std::isnan(revolution.offsets[i])) continue;  // no sample, so no hit
+      beams.sampled[i] = true;
       beams.angles[i] += revolution.offsets[i] * step;
     }
     beams.hits[i] = cast_ray(around, lidar, beams.pose(i), beam_ray(lidar, beams.pose(i), beams.angles[i]));
   }
   return beams;
+}
+
+/// Whether a surface ends between two neighbouring hits: neither lies on the other's surface, or one is none.
+bool surface_ends(const RayHit& a, double angle_a, const RayHit& b, double angle_b) {
+  constexpr double kDeep_m = 0.05;
+  if (!a.found() || !b.found()) return a.found() != b.found();
+  const Vector2d apart = b.range * unit(angle_b) - a.range * unit(angle_a);
+  return std::abs(a.normal.dot(apart)) > kDeep_m && std::abs(b.normal.dot(apart)) > kDeep_m;
+}
+
+/// Share of each beam's answers that are lost as an edge is near; empty where the sensor loses none.
+std::vector<double> edge_losses(const Beams& beams, const LidarOptions& lidar) {
+  const SensorEffects& effects = lidar.effects;
+  if (effects.edge_loss <= 0.0) return {};
+  const std::size_t n = beams.hits.size();
+  std::vector<std::size_t> asked;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (beams.sampled.empty() || beams.sampled[i]) asked.push_back(i);
+  }
+  std::vector<double> losses(n, 0.0);
+  const double step_deg = std::abs(rad_to_deg(lidar.angle_increment()));
+  const auto reach = static_cast<std::ptrdiff_t>(effects.edge_width_deg / step_deg + 1.0);
+  const bool closed = lidar.fov_deg >= 360.0;
+  for (std::size_t k = 0; k + (closed ? 0 : 1) < asked.size(); ++k) {
+    const std::size_t i = asked[k], j = asked[(k + 1) % asked.size()];
+    if (!surface_ends(beams.hits[i], beams.angles[i], beams.hits[j], beams.angles[j])) continue;
+    const auto size = static_cast<std::ptrdiff_t>(n), first = static_cast<std::ptrdiff_t>(i);
+    const double edge = 0.5 * static_cast<double>(j > i ? j - i : j + n - i);
+    for (std::ptrdiff_t d = -reach; d <= reach + 1; ++d) {
+      if (!closed && (first + d < 0 || first + d >= size)) continue;
+      const double off_deg = std::abs(static_cast<double>(d) - edge) * step_deg;
+      double& loss = losses[static_cast<std::size_t>((first + d + 2 * size) % size)];
+      loss = std::max(loss, effects.edge_loss * std::max(0.0, 1.0 - off_deg / effects.edge_width_deg));
+    }
+  }
+  return losses;
 }
 
 /// Stated directions where the sensor rounds them; empty where the geometry says them.
@@ -244,6 +284,7 @@ Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar, Revolu
   // one effect does not shift the noise of the beams behind it. Else one stream for all, as old sensor files have it.
   const bool own_streams = lidar.effects.moves_beams();
   const std::uint64_t base = own_streams ? random.bits() : 0;
+  const std::vector<double> edges = edge_losses(beams, lidar);
   std::vector<float> raw(count, 0.0F);
   const bool closed = lidar.fov_deg >= 360.0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -267,7 +308,8 @@ Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar, Revolu
     raw[i] = measured(lidar, range, chance);
     if (revolution.luck.empty()) continue;
     const Vector2d place = beams.pose(i).translation() + hits[i].range * unit(beams.angles[i]);
-    if (revolution.luck[i] < surface_loss(lidar, place, hits[i].range)) raw[i] = 0.0F;
+    const double by_edge = edges.empty() ? 0.0 : edges[i];
+    if (revolution.luck[i] < surface_loss(lidar, place, hits[i].range, by_edge)) raw[i] = 0.0F;
   }
   source.lose_sector(revolution, raw);
   Scan scan = make_scan(raw, lidar.geometry(), stated_angles(lidar));

@@ -86,7 +86,7 @@ void RevolutionSource::draw_offsets(Revolution& revolution) {
 
 void RevolutionSource::draw_luck(Revolution& revolution) {
   const SensorEffects& effects = lidar_.effects;
-  if (effects.dropout_ranges_m.empty() && effects.patch_share <= 0.0) return;
+  if (!effects.loses_beams()) return;
   Random random = stream_of(seed_, kLuck, count_);
   const bool first = luck_.empty();
   luck_.resize(static_cast<std::size_t>(lidar_.beams));

@@ -32,6 +32,8 @@ struct SensorEffects {
   double dropout_memory = 0.0;
   double patch_share = 0.0;
   double patch_m = 0.2;
+  double edge_loss = 0.0;
+  double edge_width_deg = 2.0;
   double lost_revolutions = 0.0;
   int lost_burst_min = 1;
   int lost_burst_max = 8;
@@ -68,6 +70,9 @@ struct SensorEffects {
     v("patch_share", self.patch_share,
       OptionInfo{"", "share of the surface that answers badly: each patch loses a share drawn from 0 to 1", 0, 1});
     v("patch_m", self.patch_m, OptionInfo{"m", "size of a patch", 0.01, 100});
+    v("edge_loss", self.edge_loss,
+      OptionInfo{"", "share of the beams lost where one surface ends before another, less beside it", 0, 1});
+    v("edge_width_deg", self.edge_width_deg, OptionInfo{"deg", "and none from here on", 0.01, 90});
     v("lost_revolutions", self.lost_revolutions,
       OptionInfo{"", "how often a burst of revolutions is lost before one that is kept", 0, 0.99});
     v("lost_burst_min", self.lost_burst_min, OptionInfo{"", "revolutions a burst, at least", 1, 1000});
@@ -91,6 +96,9 @@ struct SensorEffects {
     v("tilt_towards_deg", self.tilt_towards_deg, OptionInfo{"deg", "on this side", -360, 360});
     v("height_m", self.height_m, OptionInfo{"m", "of the sensor above the floor, for tilt", 0.01, 100});
   }
+
+  /// Some effect makes beams come and go by what they meet.
+  bool loses_beams() const { return !dropout_ranges_m.empty() || patch_share > 0.0 || edge_loss > 0.0; }
 
   /// Some effect makes beams look past their stated directions.
   bool moves_beams() const {
