@@ -8,6 +8,7 @@
 #include <deque>
 #include <fstream>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
@@ -128,6 +129,8 @@ int run_memory(const MemoryFlags& flags) {
   return n == flags.scans && grown <= static_cast<double>(64 * n + 5'000'000) ? kDone : kAnswerIsNo;
 }
 
+}  // namespace
+
 void add_memory_command(CLI::App& app, CommandBody& body) {
   auto* bench = app.get_subcommand("bench");
   auto* command = bench->add_subcommand(
@@ -156,7 +159,4 @@ void add_memory_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_memory(*flags); }; });
 }
 
-const CommandRegistration kMemory{32, add_memory_command};
-
-}  // namespace
 }  // namespace phasescan::app

@@ -4,11 +4,12 @@
 
 #include <algorithm>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
 #include "eval/place_fit.hpp"
 #include "io/file.hpp"
-#include "phasescan/match/scan_matcher.hpp"
+#include "methods/any_matcher.hpp"
 #include "scan/points.hpp"
 #include "sim/places.hpp"
 #include "slam/place_check.hpp"
@@ -80,7 +81,7 @@ int run_retrieval(const RetrievalFlags& flags) {
   }
   std::size_t first = 0, among_ten = 0, asked = 0, found = 0, wrong = 0;
   std::vector<double> query_us;
-  ScanMatcher matcher(config_from(flags.common).match);
+  AnyMatcher matcher(config_from(flags.common).match);
   const std::size_t verify_stride = std::max<std::size_t>(1, queries.size() / std::max<std::size_t>(flags.verify, 1));
   for (std::size_t q = 0; q < queries.size(); ++q) {
     const double start = thread_cpu_seconds();
@@ -127,6 +128,8 @@ int run_retrieval(const RetrievalFlags& flags) {
   return kDone;
 }
 
+}  // namespace
+
 void add_retrieval_command(CLI::App& app, CommandBody& body) {
   auto* bench = app.get_subcommand("bench");
   bench->require_subcommand(0, 1);
@@ -156,7 +159,4 @@ void add_retrieval_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_retrieval(*flags); }; });
 }
 
-const CommandRegistration kRetrieval{31, add_retrieval_command};
-
-}  // namespace
 }  // namespace phasescan::app

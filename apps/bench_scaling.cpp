@@ -1,4 +1,5 @@
 // phasescan bench scaling: how the time of a match grows with beams and with the size of the place.
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "eval/scaling.hpp"
 #include "io/file.hpp"
@@ -15,7 +16,7 @@ struct ScalingFlags {
 int run_scaling(const ScalingFlags& flags) {
   if (flags.out.empty()) throw std::invalid_argument("bench scaling: no --out; expected the folder for the results");
   CommonFlags common = flags.common;
-  const std::string names = common.method.empty() ? "fft-mh" : common.method;
+  const std::string names = common.method.empty() ? "global" : common.method;
   common.method.clear();
   const std::vector<BenchMethod> methods = bench_methods(names, config_from(common).match);
   make_folder(flags.out);
@@ -33,12 +34,14 @@ int run_scaling(const ScalingFlags& flags) {
   return kDone;
 }
 
+}  // namespace
+
 void add_scaling_command(CLI::App& app, CommandBody& body) {
   auto* command = app.get_subcommand("bench")->add_subcommand(
       "scaling", "time against beams and range: scaling.md with fitted exponents, scaling.svg");
   auto flags = std::make_shared<ScalingFlags>();
   command->add_option("--out", flags->out, "folder for scaling.md and scaling.svg")->type_name("DIR");
-  command->add_option("--method", flags->common.method, "comma-separated; without: fft-mh")->type_name("A,B");
+  command->add_option("--method", flags->common.method, "comma-separated; without: global")->type_name("A,B");
   command->add_option("--count", flags->settings.pairs, "pairs for each value")
       ->type_name("N")
       ->check(CLI::Range(1, 1'000'000))
@@ -52,7 +55,4 @@ void add_scaling_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_scaling(*flags); }; });
 }
 
-const CommandRegistration kScaling{32, add_scaling_command};
-
-}  // namespace
 }  // namespace phasescan::app

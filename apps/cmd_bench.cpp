@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "eval/bench_report.hpp"
 #include "io/file.hpp"
@@ -57,7 +58,7 @@ int run_bench_command(const BenchFlags& flags) {
   if (flags.pairs.empty() && flags.sim.empty())
     throw std::invalid_argument("bench: nothing to run; expected --pairs FILE... or --sim SPEC...");
   CommonFlags common = flags.common;
-  const std::string names = common.method.empty() ? "icp,ndt,fft,fft-icp1,fft-icp2,fft-mh" : common.method;
+  const std::string names = common.method.empty() ? "icp,ndt,fft,fft-icp1,fft-icp2,global" : common.method;
   common.method.clear();
   std::vector<BenchMethod> methods;
   const Config config = config_from(common);
@@ -106,6 +107,8 @@ int run_bench_command(const BenchFlags& flags) {
   return kDone;
 }
 
+}  // namespace
+
 void add_bench_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("bench", "success, honesty, accuracy and time per method, class and dataset");
   auto flags = std::make_shared<BenchFlags>();
@@ -116,7 +119,7 @@ void add_bench_command(CLI::App& app, CommandBody& body) {
   command->add_option("--method", flags->common.method, "comma-separated; without: all six")->type_name("A,B");
   command->add_option("--features", flags->features, "also write what each confidence was computed from, as CSV")
       ->type_name("FILE");
-  command->add_flag("--fast", flags->common.fast, "trade a little robustness for time (fft-mh)");
+  command->add_flag("--fast", flags->common.fast, "trade a little robustness for time (global)");
   command->add_option("--count", flags->count, "pairs of each simulated set")
       ->type_name("N")
       ->check(CLI::Range(1, 100'000'000))
@@ -128,7 +131,7 @@ void add_bench_command(CLI::App& app, CommandBody& body) {
   command->add_flag("--prepared", flags->prepared, "prepare the references beforehand, outside of the times");
   command
       ->add_option("--variant", flags->variants,
-                   "one more column: the method with other options (\"no twins: mh.twins=false\"); may be repeated")
+                   "one more column: the method with other options (\"no twins: global.twins=false\"); may be repeated")
       ->type_name("NAME: SECTION.OPTION=VALUE,..")
       ->allow_extra_args(false);
   auto* seed =
@@ -145,7 +148,4 @@ void add_bench_command(CLI::App& app, CommandBody& body) {
   });
 }
 
-const CommandRegistration kBench{30, add_bench_command};
-
-}  // namespace
 }  // namespace phasescan::app

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "calibrate/calibrate.hpp"
-#include "commands.hpp"
+#include "command_list.hpp"
 #include "io/file.hpp"
 #include "phasescan/io/error.hpp"
 
@@ -49,6 +49,8 @@ int run_calibrate(const CalibrateFlags& flags) {
   return code;
 }
 
+}  // namespace
+
 void add_calibrate_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("calibrate", "what a sensor does, measured where it stands still: a sensor file");
   auto flags = std::make_shared<CalibrateFlags>();
@@ -59,7 +61,4 @@ void add_calibrate_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_calibrate(*flags); }; });
 }
 
-const CommandRegistration kCalibrate{35, add_calibrate_command};
-
-}  // namespace
 }  // namespace phasescan::app

@@ -1,4 +1,5 @@
 // phasescan config --dump [SECTION]: every option in force.
+#include "command_list.hpp"
 #include "commands.hpp"
 
 namespace phasescan::app {
@@ -9,6 +10,8 @@ struct ConfigFlags {
   bool dump = false;
   std::string section;
 };
+
+}  // namespace
 
 void add_config_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("config", "every option in force, with its default, unit and meaning");
@@ -25,7 +28,4 @@ void add_config_command(CLI::App& app, CommandBody& body) {
   });
 }
 
-const CommandRegistration kConfig{80, add_config_command};
-
-}  // namespace
 }  // namespace phasescan::app

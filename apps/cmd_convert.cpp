@@ -1,6 +1,7 @@
 // phasescan convert IN OUT: from any readable log format to any writable one.
 #include <memory>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/odometry_source.hpp"
@@ -18,17 +19,14 @@ int run_convert(const ConvertFlags& flags) {
   const std::string target = flags.to.empty() ? convert_target_for(flags.out) : flags.to;
   const auto reader = open_log(flags.in, flags.options);
   const auto writer = make_convert_writer(target, flags.out);
-  const bool odometry = find_odometry_source(flags.in, flags.options).usable;
+  JudgedLog log(*reader);
   bool left_out = false;
   InterruptGuard guard;
   Progress progress("converted", 0);
   std::size_t scans = 0;
-  while (auto entry = reader->next()) {
-    // The copy says no more what the poses of a mapping program are.
-    if (!odometry && entry->odometry && entry->corrected) {
-      entry->odometry.reset();
-      left_out = true;
-    }
+  while (const auto entry = log.next()) {
+    // The copy says no more what the poses of a mapping program are: its odometry is taken off.
+    left_out = left_out || (entry->corrected && !entry->odometry);
     writer->add(*entry);
     progress.step(++scans);
     if (InterruptGuard::interrupted()) break;
@@ -46,6 +44,8 @@ int run_convert(const ConvertFlags& flags) {
   return code;
 }
 
+}  // namespace
+
 void add_convert_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("convert", "a log in another format");
   auto flags = std::make_shared<ConvertFlags>();
@@ -59,7 +59,4 @@ void add_convert_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_convert(*flags); }; });
 }
 
-const CommandRegistration kConvert{61, add_convert_command};
-
-}  // namespace
 }  // namespace phasescan::app

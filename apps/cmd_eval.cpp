@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "eval/closure.hpp"
 #include "eval/relations.hpp"
@@ -127,6 +128,8 @@ int eval_closure(const EvalFlags& flags, const std::vector<StampedPose>& traject
   return metres.empty() ? kAnswerIsNo : kDone;
 }
 
+}  // namespace
+
 void add_eval_command(CLI::App& app, CommandBody& body) {
   auto* command =
       app.add_subcommand("eval", "how good a trajectory is: ATE and RPE, the relations metric, or how well it closes");
@@ -173,7 +176,4 @@ void add_eval_command(CLI::App& app, CommandBody& body) {
   });
 }
 
-const CommandRegistration kEval{60, add_eval_command};
-
-}  // namespace
 }  // namespace phasescan::app

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "eval/log_doctor.hpp"
 #include "phasescan/io/error.hpp"
@@ -26,10 +27,12 @@ int run_info(const InfoFlags& flags) {
   const auto reader = open_log(flags.log, flags.options);
   LogSummary summary;
   LogDoctor doctor;
+  OdometryJudge judge;
   InterruptGuard guard;
   Progress progress("read", 0);
   while (auto entry = reader->next()) {
     summary.add(*entry);
+    judge.add(*entry, *reader);
     if (!flags.no_doctor) doctor.add(*entry);
     progress.step(summary.scans());
     if (InterruptGuard::interrupted()) break;
@@ -41,8 +44,8 @@ int run_info(const InfoFlags& flags) {
   print_line("format", reader->format());
   for (const auto& [name, value] : reader->facts()) print_line(name, value);
   for (const auto& [name, value] : summary.lines()) print_line(name, value);
-  if (summary.odometry_equals_corrected())
-    print_line("odometry, for slam", source_of_same_poses(reader->facts()).assumed);
+  judge.finish(*reader);
+  if (summary.odometry_equals_corrected()) print_line("odometry, for slam", judge.source().assumed);
   std::map<std::string, std::size_t> damages;
   for (const LogDamage& damage : reader->damages()) ++damages[damage.kind];
   print_line("damaged places", std::to_string(reader->damage_count()));
@@ -56,6 +59,8 @@ int run_info(const InfoFlags& flags) {
   return fail(InputError(flags.log, 0, "holds no usable scan; expected at least one with a hit").what(), kAnswerIsNo);
 }
 
+}  // namespace
+
 void add_info_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("info", "what a log holds and what is wrong with it");
   auto flags = std::make_shared<InfoFlags>();
@@ -65,7 +70,4 @@ void add_info_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_info(*flags); }; });
 }
 
-const CommandRegistration kInfo{60, add_info_command};
-
-}  // namespace
 }  // namespace phasescan::app

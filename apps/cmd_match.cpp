@@ -1,18 +1,18 @@
 // phasescan match: two scans, or every pair of a pairs file.
-#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <thread>
 
+#include "command_list.hpp"
 #include "commands.hpp"
+#include "core/parallel.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
 #include "output/match_json.hpp"
 #include "io/number.hpp"
 #include "io/pairs.hpp"
 #include "io/scan_json.hpp"
-#include "phasescan/match/scan_matcher.hpp"
+#include "methods/any_matcher.hpp"
 #include "report/scan_plot.hpp"
 
 namespace phasescan::app {
@@ -61,10 +61,10 @@ NamedScan read_named_scan(const std::string& name) {
   return read_log_scan(name.substr(0, mark), *k);
 }
 
-int match_two(const MatchFlags& flags, const MatchOptions& options, const MatchHints& hints) {
+int match_two(const MatchFlags& flags, const AnyMatchOptions& options, const MatchHints& hints) {
   const NamedScan reference = read_named_scan(flags.reference);
   const NamedScan scan = read_named_scan(flags.scan);
-  const MatchResult result = match_scans(reference.scan, scan.scan, options, hints);
+  const MatchResult result = match_any(reference.scan, scan.scan, options, hints);
   if (!flags.plot.empty()) {
     const std::string title =
         flags.scan + " in " + flags.reference + ", " + std::string(to_string(options.match.method));
@@ -78,35 +78,29 @@ int match_two(const MatchFlags& flags, const MatchOptions& options, const MatchH
 // The answers to some lines, in their order, from as many threads as there are matchers. A matcher keeps no memory of
 // earlier pairs that an answer could depend on, so it does not matter which one gets a pair. A pair that cannot be
 // matched at all becomes a bad line.
-std::vector<std::string> match_lines(std::vector<PairLine>& lines, std::vector<ScanMatcher>& matchers,
+std::vector<std::string> match_lines(std::vector<PairLine>& lines, std::vector<AnyMatcher>& matchers,
                                      const MatchHints& hints, bool times) {
   std::vector<std::string> answers(lines.size());
-  std::atomic<std::size_t> next{0};
-  const auto work = [&](ScanMatcher& matcher) {
-    for (std::size_t i = next++; i < lines.size(); i = next++) {
-      PairLine& line = lines[i];
-      if (line.pair) {
-        try {
-          const MatchResult result = matcher.match(line.pair->reference, line.pair->scan, hints);
-          answers[i] = format_match(line.pair->id, matcher.options().match.method, result, times);
-          continue;
-        } catch (const std::exception& error) {
-          line.pair.reset();
-          line.error = error.what();
-        }
+  parallel_for(lines.size(), matchers.size(), [&](std::size_t i, std::size_t worker) {
+    PairLine& line = lines[i];
+    if (line.pair) {
+      try {
+        AnyMatcher& matcher = matchers[worker];
+        const MatchResult result = matcher.match(line.pair->reference, line.pair->scan, hints);
+        answers[i] = format_match(line.pair->id, matcher.options().match.method, result, times);
+        return;
+      } catch (const std::exception& error) {
+        line.pair.reset();
+        line.error = error.what();
       }
-      answers[i] = format_pair_error(line.line, line.error);
     }
-  };
-  std::vector<std::thread> threads;
-  for (std::size_t k = 1; k < matchers.size(); ++k) threads.emplace_back(work, std::ref(matchers[k]));
-  work(matchers.front());
-  for (std::thread& thread : threads) thread.join();
+    answers[i] = format_pair_error(line.line, line.error);
+  });
   return answers;
 }
 
-int match_pairs(const MatchFlags& flags, const MatchOptions& options, const MatchHints& hints) {
-  std::vector<ScanMatcher> matchers;
+int match_pairs(const MatchFlags& flags, const AnyMatchOptions& options, const MatchHints& hints) {
+  std::vector<AnyMatcher> matchers;
   for (int k = 0; k < flags.common.threads; ++k) matchers.emplace_back(options);
   // One thread answers line by line; more take a window of lines at a time.
   const std::size_t window = matchers.size() == 1 ? 1 : 16 * matchers.size();
@@ -145,7 +139,7 @@ int run_match(const MatchFlags& flags) {
   }
   if (!flags.pairs.empty() && !flags.plot.empty())
     throw std::invalid_argument("--plot: expected with two scans, not with --pairs");
-  const MatchOptions options = config_from(flags.common).match;
+  const AnyMatchOptions options = config_from(flags.common).match;
   MatchHints hints;
   if (!flags.guess.empty()) {
     const auto numbers = parse_numbers("--guess", flags.guess, 3);
@@ -153,6 +147,8 @@ int run_match(const MatchFlags& flags) {
   }
   return two ? match_two(flags, options, hints) : match_pairs(flags, options, hints);
 }
+
+}  // namespace
 
 void add_match_command(CLI::App& app, CommandBody& body) {
   auto* command =
@@ -176,7 +172,4 @@ void add_match_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_match(*flags); }; });
 }
 
-const CommandRegistration kMatch{10, add_match_command};
-
-}  // namespace
 }  // namespace phasescan::app

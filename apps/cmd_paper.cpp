@@ -1,4 +1,5 @@
 // phasescan paper: every table and figure of the paper in one run.
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "eval/paper.hpp"
 #include "io/file.hpp"
@@ -32,6 +33,8 @@ int run_paper_command(PaperFlags& flags) {
   return kDone;
 }
 
+}  // namespace
+
 void add_paper_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("paper", "every table and figure of the paper, in one run");
   auto flags = std::make_shared<PaperFlags>();
@@ -48,7 +51,4 @@ void add_paper_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_paper_command(*flags); }; });
 }
 
-const CommandRegistration kPaper{60, add_paper_command};
-
-}  // namespace
 }  // namespace phasescan::app

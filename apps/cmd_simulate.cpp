@@ -1,9 +1,10 @@
 // phasescan simulate: logs with their truth, and pairs files.
 #include <algorithm>
 #include <filesystem>
-#include <thread>
 
+#include "command_list.hpp"
 #include "commands.hpp"
+#include "core/parallel.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/pairs.hpp"
 #include "io/scan_log.hpp"
@@ -88,21 +89,7 @@ int simulate_pairs(const SimulateFlags& flags) {
     // Any number of threads makes the same file: pair k depends on nothing but k.
     const std::uint64_t count = std::min(kBlock, flags.pairs - done);
     std::vector<ScanPair> block(count);
-    std::vector<std::exception_ptr> failures(threads);
-    const auto work = [&](std::size_t worker) {
-      try {
-        for (std::uint64_t i = worker; i < count; i += threads) block[i] = generator.make(done + i).pair;
-      } catch (...) {
-        failures[worker] = std::current_exception();
-      }
-    };
-    std::vector<std::thread> workers;
-    for (std::size_t w = 1; w < threads; ++w) workers.emplace_back(work, w);
-    work(0);
-    for (std::thread& worker : workers) worker.join();
-    for (const std::exception_ptr& failure : failures) {
-      if (failure) std::rethrow_exception(failure);
-    }
+    parallel_for(count, threads, [&](std::size_t i, std::size_t) { block[i] = generator.make(done + i).pair; });
     for (const ScanPair& pair : block) writer.write(pair);
     done += count;
     progress.step(done);
@@ -153,6 +140,8 @@ int simulate_drive(const SimulateFlags& flags) {
     warn("stopped after " + std::to_string(truth.size()) + " scans; the log holds these");
   return kDone;
 }
+
+}  // namespace
 
 void add_simulate_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("simulate", "makes logs with their truth, or pairs files, in simulated worlds");
@@ -205,7 +194,4 @@ void add_simulate_command(CLI::App& app, CommandBody& body) {
   });
 }
 
-const CommandRegistration kSimulate{30, add_simulate_command};
-
-}  // namespace
 }  // namespace phasescan::app

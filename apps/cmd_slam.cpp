@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
@@ -48,13 +49,12 @@ class ScanProgress {
 };
 
 /// Reads to the end of the log or until the user stops it.
-void feed(LogReader& reader, Slam& slam, InputCheck& check, const SlamFlags& flags, SlamRun& run) {
+void feed(JudgedLog& log, Slam& slam, InputCheck& check, const SlamFlags& flags, SlamRun& run) {
   ScanProgress progress;
   while (!InterruptGuard::interrupted()) {
-    std::optional<LogEntry> entry = reader.next();
+    std::optional<LogEntry> entry = log.next();
     if (!entry) return;
     if (slam.records().empty()) run.T_base_laser = entry->T_base_laser, run.flipped = entry->flipped;
-    run.with_odometry += entry->odometry.has_value();
     if (flags.range_max > 0.0 || flags.beam_step > 1)
       entry->scan = reduce_scan(entry->scan, flags.range_max, flags.beam_step);
     const bool fresh =
@@ -64,12 +64,12 @@ void feed(LogReader& reader, Slam& slam, InputCheck& check, const SlamFlags& fla
     const double cpu = thread_cpu_seconds(), wall = wall_seconds();
     float overlap = 0.0F;
     if (fresh) {
-      const OdometryStep step = slam.add(measurement);
-      overlap = static_cast<float>(step.overlap);
-      run.tracked += step.tracked;
-      run.searched += step.searched;
-      run.caught += step.caught;
-      run.new_segments += step.new_segment;
+      const TrackerStep step = slam.add(measurement);
+      overlap = static_cast<float>(step.diagnostics.overlap);
+      run.tracked += step.tracked();
+      run.searched += step.diagnostics.wide_search;
+      run.caught += step.diagnostics.full_search;
+      run.new_segments += step.diagnostics.new_segment;
       run.usable += measurement.scan.hit_count() > 0;
     } else {
       slam.repeat(measurement);
@@ -94,13 +94,9 @@ int run_slam(const SlamFlags& flags) {
   run.glass_blocks = config.slam.glass.block;
   const std::unique_ptr<LogReader> reader = open_log(flags.log, flags.options);
   run.format = reader->format();
-  if (flags.odometry == "none") {
-    run.odometry_assumed = "not used, as asked for";
-  } else {
-    const OdometrySource source = find_odometry_source(flags.log, flags.options);
-    run.odometry_used = source.usable && config.slam.odometry.use_wheels;
-    run.odometry_assumed =
-        source.usable && !run.odometry_used ? "not used: odometry.use_wheels is false" : source.assumed;
+  run.odometry_used = flags.odometry != "none" && config.slam.odometry.use_wheels;
+  if (!flags.mcap.empty() && !can_be_read_again(flags.log)) {
+    throw InputError(flags.log, 0, "is a pipe; expected a file with --mcap, which reads the log a second time");
   }
   make_folder(flags.out);
   std::optional<McapWriter> mcap;  // opened before the work, so that a name that cannot be written costs no minutes
@@ -109,12 +105,13 @@ int run_slam(const SlamFlags& flags) {
   InputCheck check;
   run.check = &check;
   const InterruptGuard guard;  // until the results are in place: what was finished is not lost
-  feed(*reader, slam, check, flags, run);
-  // It may begin late: only the end of the log tells.
-  if (run.with_odometry == 0 && flags.odometry != "none") {
-    run.odometry_used = false;
-    run.odometry_assumed = "the log holds no odometry";
-  }
+  JudgedLog log(*reader);
+  feed(log, slam, check, flags, run);
+  const OdometrySource source = log.source();
+  run.odometry_assumed = flags.odometry == "none"              ? "not used, as asked for"
+                         : source.usable && !run.odometry_used ? "not used: odometry.use_wheels is false"
+                                                               : source.assumed;
+  run.odometry_used = run.odometry_used && source.usable;
   if (slam.records().empty()) {
     if (InterruptGuard::interrupted()) return stopped_with_nothing();
     if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
@@ -148,6 +145,8 @@ int run_slam(const SlamFlags& flags) {
   return code;
 }
 
+}  // namespace
+
 void add_slam_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("slam", "a trajectory and a map from a log");
   auto flags = std::make_shared<SlamFlags>();
@@ -171,7 +170,4 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
   command->callback([flags, &body] { body = [flags] { return run_slam(*flags); }; });
 }
 
-const CommandRegistration kSlam{30, add_slam_command};
-
-}  // namespace
 }  // namespace phasescan::app

@@ -19,11 +19,6 @@
 namespace phasescan::app {
 namespace {
 
-std::vector<std::pair<int, AddCommand>>& registry() {
-  static std::vector<std::pair<int, AddCommand>> commands;
-  return commands;
-}
-
 std::atomic<int> stop_signal{0}, guards{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 
@@ -39,18 +34,6 @@ extern "C" void stop(int signal_number) {
 
 }  // namespace
 
-CommandRegistration::CommandRegistration(int order, AddCommand add) {
-  registry().emplace_back(order, add);
-}
-
-std::vector<AddCommand> registered_commands() {
-  auto sorted = registry();
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  std::vector<AddCommand> out;
-  for (const auto& [order, add] : sorted) out.push_back(add);
-  return out;
-}
-
 void add_config_flag(CLI::App& command, CommonFlags& flags) {
   command.add_option("--config", flags.config, "YAML file with options (see `phasescan config --dump`)")
       ->type_name("FILE.yaml")
@@ -64,10 +47,10 @@ void add_log_flags(CLI::App& command, LogOptions& options) {
 }
 
 void add_method_flags(CLI::App& command, CommonFlags& flags) {
-  command.add_option("--method", flags.method, "icp, ndt, fft, fft-icp1, fft-icp2 or fft-mh")
+  command.add_option("--method", flags.method, "icp, ndt, fft, fft-icp1, fft-icp2 or global")
       ->type_name("NAME")
       ->check(not_empty());
-  command.add_flag("--fast", flags.fast, "trade a little robustness for time (fft-mh)");
+  command.add_flag("--fast", flags.fast, "trade a little robustness for time (global)");
 }
 
 void add_threads_flag(CLI::App& command, CommonFlags& flags, int default_threads) {
@@ -130,7 +113,7 @@ Config config_from(const CommonFlags& flags) {
       throw std::invalid_argument(std::string("--method: ") + error.what());
     }
   }
-  if (flags.fast) config.match.match.fast = true;
+  if (flags.fast) config.match.match.general.fast = true;
   return config;
 }
 

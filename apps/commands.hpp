@@ -1,9 +1,4 @@
-// What the sub-commands share: registration, common flags, configuration, interruption, progress.
-//
-// A command is one file, apps/cmd_<name>.cpp, that ends in
-//   const CommandRegistration kMatch{10, add_match_command};
-// where `add_match_command(CLI::App& app, CommandBody& body)` adds a sub-command to `app` whose callback sets `body`;
-// main runs it and turns exceptions into the one line on stderr and the exit code.
+// What the sub-commands share: common flags, configuration, interruption, progress. command_list.hpp lists them.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -30,13 +25,6 @@ enum ExitCode {
 /// What a command does once the flags are read; gives the exit code.
 using CommandBody = std::function<int()>;
 using AddCommand = void (*)(CLI::App& app, CommandBody& body);
-
-/// Makes a command known to main; `order` sorts `--help`.
-struct CommandRegistration {
-  CommandRegistration(int order, AddCommand add);
-};
-/// All registered commands, in order.
-std::vector<AddCommand> registered_commands();
 
 /// Flags that more than one command has. Add those that apply with the functions below.
 struct CommonFlags {

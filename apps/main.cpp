@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "command_list.hpp"
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
@@ -29,7 +30,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", PHASESCAN_VERSION);
   app.require_subcommand(1);
   CommandBody body;
-  for (const AddCommand add : registered_commands()) add(app, body);
+  for (const AddCommand add : kCommands) add(app, body);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

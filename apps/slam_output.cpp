@@ -44,7 +44,7 @@ double path_length(const std::vector<Pose2>& poses) {
 
 Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& trajectory, const TrinaryMap& map) {
   const LoopCounts loops = slam.backend().loop_counts();
-  const auto& wheels = slam.odometry().wheels().counts();
+  const auto& wheels = slam.tracker().state().motion.wheels.counts;
   Json warnings = Json::object();
   for (const auto& [kind, count] : run.damages) warnings[kind] = count;
   for (const auto& [kind, oddity] : run.check->oddities()) warnings[kind] = oddity.count;

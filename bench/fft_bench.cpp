@@ -1,7 +1,7 @@
 // The FFT behind spectrum/fft.hpp; forward/128 is the unit of the time tables.
 #include <benchmark/benchmark.h>
 
-#include "spectrum/fft.hpp"
+#include "fft_icp/spectrum/fft.hpp"
 #include "stage_data.hpp"
 
 namespace phasescan {

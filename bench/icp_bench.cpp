@@ -1,7 +1,7 @@
 // ICP ([Jiang19] Sec. 4): the k-d tree, and an alignment from 5 cm and 2 degrees off.
 #include <benchmark/benchmark.h>
 
-#include "refine/icp.hpp"
+#include "fft_icp/icp/icp.hpp"
 #include "stage_data.hpp"
 
 namespace phasescan {

@@ -1,20 +1,20 @@
 // A whole match, from raw ranges of both scans and against a prepared reference, for every method.
 #include <benchmark/benchmark.h>
 
-#include "phasescan/match/scan_matcher.hpp"
+#include "methods/any_matcher.hpp"
 #include "stage_data.hpp"
 
 namespace phasescan {
 namespace {
 
 void run(benchmark::State& state, bool prepared) {
-  MatchOptions options;
+  AnyMatchOptions options;
   options.match.method = static_cast<MatchMethod>(state.range(0));
   state.SetLabel(std::string(to_string(options.match.method)));
   const int beams = static_cast<int>(state.range(1));
   const Scan reference = bench::reference_scan(beams), scan = bench::moved_scan(beams);
-  ScanMatcher matcher(options);
-  const Reference kept = matcher.prepare(reference);
+  AnyMatcher matcher(options);
+  const AnyReference kept = matcher.prepare(reference);
   for (auto _ : state) {
     benchmark::DoNotOptimize(prepared ? matcher.match(kept, scan) : matcher.match(reference, scan));
   }

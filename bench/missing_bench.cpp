@@ -1,7 +1,7 @@
 // Missing-data features and their match ([Jiang19] Sec. 2.3): both scans together are to stay below 20 us.
 #include <benchmark/benchmark.h>
 
-#include "rotation/from_missing.hpp"
+#include "fft_icp/missing/from_missing.hpp"
 #include "stage_data.hpp"
 
 namespace phasescan {

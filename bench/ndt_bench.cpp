@@ -1,7 +1,7 @@
 // NDT ([Biber03]): the maps of all levels, and an alignment from 5 cm and 2 degrees off.
 #include <benchmark/benchmark.h>
 
-#include "refine/ndt.hpp"
+#include "fft_icp/ndt/ndt.hpp"
 #include "stage_data.hpp"
 
 namespace phasescan {

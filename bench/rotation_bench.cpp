@@ -1,7 +1,7 @@
 // Rotation from magnitude spectra ([Jiang19] Sec. 3.2).
 #include <benchmark/benchmark.h>
 
-#include "rotation/from_spectrum.hpp"
+#include "fft_icp/rotation/from_spectrum.hpp"
 #include "stage_data.hpp"
 
 namespace phasescan {

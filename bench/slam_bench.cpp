@@ -1,7 +1,7 @@
 // SLAM, stage by stage: building a local map, one registration, one tracked scan, the index.
 #include <benchmark/benchmark.h>
 
-#include "phasescan/odometry/odometry.hpp"
+#include "odometry/tracker.hpp"
 #include "slam/place_index.hpp"
 #include "support/toy_world.hpp"
 
@@ -59,8 +59,8 @@ BENCHMARK(BM_Register)->Unit(benchmark::kMicrosecond);
 void BM_TrackScan(benchmark::State& state) {
   const Fixture& f = fixture();
   for (auto _ : state) {
-    Odometry odometry;
-    for (const Scan& scan : f.scans) benchmark::DoNotOptimize(odometry.add({scan}));
+    Tracker tracker;
+    for (const Scan& scan : f.scans) benchmark::DoNotOptimize(tracker.add({scan}));
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * static_cast<std::int64_t>(f.scans.size()));
 }

@@ -1,7 +1,7 @@
 /// Input for the stage benchmarks: two scans of the same room.
 #pragma once
 
-#include "image/rasterize.hpp"
+#include "fft_icp/image/rasterize.hpp"
 #include "support/rooms.hpp"
 
 namespace phasescan::bench {

@@ -1,7 +1,7 @@
 // Translation by correlation ([Jiang19] Sec. 3.3): describing an image, one peak, and the peak of its twin.
 #include <benchmark/benchmark.h>
 
-#include "translation/phase_correlation.hpp"
+#include "fft_icp/translation/phase_correlation.hpp"
 #include "stage_data.hpp"
 
 namespace phasescan {

@@ -1,25 +1,41 @@
-# Every dependency is a Debian 12 package (scripts/lib/packages.sh lists them); nothing is downloaded.
+# Every dependency is a Debian 12 package (scripts/lib/packages.sh lists them); nothing is downloaded. Each component asks
+# for its own only. phasescanConfig.cmake.in and the .pc files name the same ones for those who use an installed library.
+set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)  # a project that adds this one as a folder links what our libraries link
+
+# match
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
-if(PHASESCAN_FFT STREQUAL "fftw")
-  pkg_check_modules(FFTW3F REQUIRED IMPORTED_TARGET fftw3f)
-elseif(PHASESCAN_FFT STREQUAL "kiss")
-  find_package(kissfft REQUIRED COMPONENTS SHARED float)
-else()
-  message(FATAL_ERROR "PHASESCAN_FFT is '${PHASESCAN_FFT}'; expected fftw or kiss")
+pkg_check_modules(HWY REQUIRED IMPORTED_TARGET GLOBAL libhwy)
+
+if("fft_icp" IN_LIST PHASESCAN_BUILT)
+  if(PHASESCAN_FFT STREQUAL "fftw")
+    pkg_check_modules(FFTW3F REQUIRED IMPORTED_TARGET GLOBAL fftw3f)
+  elseif(PHASESCAN_FFT STREQUAL "kiss")
+    find_package(kissfft REQUIRED COMPONENTS SHARED float)
+  else()
+    message(FATAL_ERROR "PHASESCAN_FFT is '${PHASESCAN_FFT}'; expected fftw or kiss")
+  endif()
+  find_path(NANOFLANN_INCLUDE_DIR nanoflann.hpp REQUIRED)
 endif()
-find_path(NANOFLANN_INCLUDE_DIR nanoflann.hpp REQUIRED)
-pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
-find_package(Ceres 2.1 REQUIRED)
+
+if("slam" IN_LIST PHASESCAN_BUILT)
+  find_package(Ceres 2.1 REQUIRED)
+endif()
 
 # Files and formats.
-find_package(nlohmann_json 3.11 REQUIRED)
-find_package(yaml-cpp REQUIRED)
-find_package(ZLIB REQUIRED)
-find_package(BZip2 REQUIRED)
-find_package(SQLite3 REQUIRED)
-find_package(PNG REQUIRED)
-pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
-pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
-find_package(fmt REQUIRED)
+if("io" IN_LIST PHASESCAN_BUILT)
+  find_package(nlohmann_json 3.11 REQUIRED)
+  find_package(yaml-cpp REQUIRED)
+  find_package(ZLIB REQUIRED)
+  find_package(BZip2 REQUIRED)
+  find_package(SQLite3 REQUIRED)
+  pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET GLOBAL liblz4)
+  pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET GLOBAL libzstd)
+  find_package(fmt REQUIRED)
+endif()
+
+# The command's reports and maps.
+if(PHASESCAN_COMPLETE)
+  find_package(PNG REQUIRED)
+endif()

@@ -18,6 +18,11 @@ function(phasescan_configure target)
   endif()
 endfunction()
 
+# phasescan_internal(<target>): sees the headers in src/ that are not installed; for what is built with the libraries.
+function(phasescan_internal target)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+endfunction()
+
 # phasescan_library(<name> <folder>...): one static library from the given folders of src/.
 function(phasescan_library name)
   set(sources)
@@ -28,6 +33,14 @@ function(phasescan_library name)
   add_library(${name} ${sources})
   phasescan_configure(${name})
   target_include_directories(${name} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  phasescan_internal(${name})
+endfunction()
+
+# phasescan_component(<component> <folder>...): a library that is installed, as phasescan::<component>.
+function(phasescan_component component)
+  phasescan_library(phasescan_${component} ${ARGN})
+  add_library(phasescan::${component} ALIAS phasescan_${component})
+  set_target_properties(phasescan_${component} PROPERTIES EXPORT_NAME ${component})
+  target_link_libraries(phasescan INTERFACE phasescan_${component})
 endfunction()

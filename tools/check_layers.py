@@ -14,23 +14,21 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 GRAPH = """
 core
 scan         core
-image        core scan
-spectrum     core image
-rotation     core scan spectrum
-translation  core image spectrum
 refine       core scan
-match        core scan image spectrum rotation translation refine
+match        core scan refine
+fft_icp      core scan refine match
+methods      core scan match fft_icp
 odometry     core scan match refine
 graph        core
 map          core scan
-slam         core scan image spectrum match odometry graph map
+slam         core scan match odometry graph map
 io           core scan
 sim          core scan io
 calibrate    core scan io sim
-config       core io match slam
-output       core scan graph map match io
-report       core scan match graph map output io
-eval         core scan image spectrum rotation match odometry slam sim config output report io
+config       core methods io match fft_icp slam
+output       core scan graph map match methods slam io
+report       core scan match graph map slam output io
+eval         core scan match fft_icp methods odometry slam sim config output report io
 """
 # Around the core: tests of any folder may use these to make and read their inputs.
 TOOLS = {"io", "sim", "config", "output", "eval"}

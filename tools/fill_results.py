@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fills the tables of docs/RESULTS.md and docs/fft-mh.md from the results.json files of scripts/bench.
+"""Fills the tables of docs/RESULTS.md and docs/global.md from the results.json files of scripts/bench.
 
 A place for a table is `<!-- table: KIND FOLDER[,FOLDER...] [METHOD,...] -->` ... `<!-- end -->`; what stands between is replaced.
 A place whose results are not there keeps its old content.

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Fits the constants of the confidence (src/match/confidence.cpp) and says what they are worth on data left out.
 
-    phasescan bench --sim bench-honesty --count 30000 --seed 7 --method fft-mh --out out/fit --features out/fit/sim.csv
-    phasescan bench --sim bench-doubt --count 12000 --method fft-mh --out out/fit --features out/fit/doubt.csv
-    phasescan bench --pairs PAIRS... --method fft-mh --out out/fit --features out/fit/real.csv
+    phasescan bench --sim bench-honesty --count 30000 --seed 7 --method global --out out/fit --features out/fit/sim.csv
+    phasescan bench --sim bench-doubt --count 12000 --method global --out out/fit --features out/fit/doubt.csv
+    phasescan bench --pairs PAIRS... --method global --out out/fit --features out/fit/real.csv
     tools/fit_confidence.py --sim out/fit/sim.csv out/fit/doubt.csv --real out/fit/real.csv
 
 The constants are fitted on simulated pairs alone: every recorded file is one left out. Prints, as Markdown, recorded files
@@ -20,7 +20,7 @@ GIVEN = ["source", "dataset", "class", "id", "method", "right", "usable", "ambig
 
 
 class Answers:
-    """Answers of fft-mh with their features, one row each."""
+    """Answers of global with their features, one row each."""
 
     def __init__(self, names, group, x, right, ambiguous):
         self.names, self.group, self.x, self.right, self.ambiguous = names, group, x, right, ambiguous

@@ -11,7 +11,7 @@
 
 #include "contender.hpp"
 #include "eval/statistics.hpp"
-#include "refine/icp.hpp"
+#include "fft_icp/icp/icp.hpp"
 #include "scan/points.hpp"
 
 namespace phasescan::rivals {

@@ -4,13 +4,13 @@
 #include <memory>
 
 #include "contender.hpp"
-#include "phasescan/match/scan_matcher.hpp"
+#include "methods/any_matcher.hpp"
 
 namespace phasescan::rivals {
 namespace {
 
-Contender own(const std::string& name, const std::string& settings, const MatchOptions& options) {
-  return {name, settings, [matcher = std::make_shared<ScanMatcher>(options)](const Scan& reference, const Scan& scan) {
+Contender own(const std::string& name, const std::string& settings, const AnyMatchOptions& options) {
+  return {name, settings, [matcher = std::make_shared<AnyMatcher>(options)](const Scan& reference, const Scan& scan) {
             return matcher->match(reference, scan).T_ref_scan;
           }};
 }
@@ -19,13 +19,13 @@ Contender own(const std::string& name, const std::string& settings, const MatchO
 
 std::vector<Contender> own_contenders() {
   std::vector<Contender> all;
-  for (const MatchMethod method : {MatchMethod::kIcp, MatchMethod::kNdt, MatchMethod::kFftIcp2, MatchMethod::kFftMh}) {
-    MatchOptions options;
+  for (const MatchMethod method : {MatchMethod::kIcp, MatchMethod::kNdt, MatchMethod::kFftIcp2, MatchMethod::kGlobal}) {
+    AnyMatchOptions options;
     options.match.method = method;
     const std::string name(to_string(method));
     all.push_back(own("phasescan " + name, "--method " + name + ", defaults", options));
   }
-  MatchOptions gated;
+  AnyMatchOptions gated;
   gated.match.method = MatchMethod::kIcp;
   gated.icp.max_iterations = kIterations;
   gated.icp.gate_m = gated.icp.gate_start_m = kDuelGate_m;

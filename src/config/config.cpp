@@ -5,6 +5,7 @@ namespace phasescan {
 OptionTable option_table(Config& config) {
   OptionTable table;
   Config::visit_sections(config, [&](std::string_view section, auto& options) { table.add(section, options); });
+  table.add_alias("mh", "global");
   return table;
 }
 

@@ -4,20 +4,20 @@
 #include <string>
 
 #include "config/option_table.hpp"
-#include "phasescan/match/options.hpp"
+#include "methods/any_options.hpp"
 #include "phasescan/slam/options.hpp"
 
 namespace phasescan {
 
 /// The options of all stages.
 struct Config {
-  MatchOptions match;
+  AnyMatchOptions match;
   SlamOptions slam;
 
   /// Calls v(section_name, section_struct) for every section, in the order of `config --dump`.
   template <class Self, class Visitor>
   static void visit_sections(Self& self, Visitor&& v) {
-    MatchOptions::visit_sections(self.match, v);
+    AnyMatchOptions::visit_sections(self.match, v);
     SlamOptions::visit_sections(self.slam, v);
   }
 };

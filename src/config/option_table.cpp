@@ -100,9 +100,19 @@ std::string yaml_value(const std::string& text) {
 
 }  // namespace
 
+void OptionTable::add_alias(std::string_view earlier, std::string_view section) {
+  aliases_.emplace_back(earlier, section);
+}
+
+std::string OptionTable::current_name(std::string_view section) const {
+  const auto alias = std::find_if(aliases_.begin(), aliases_.end(), [&](const auto& a) { return a.first == section; });
+  return alias == aliases_.end() ? std::string(section) : alias->second;
+}
+
 const OptionEntry* OptionTable::find(std::string_view section, std::string_view name) const {
+  const std::string current = current_name(section);
   const auto found = std::find_if(entries_.begin(), entries_.end(),
-                                  [&](const OptionEntry& e) { return e.section == section && e.name == name; });
+                                  [&](const OptionEntry& e) { return e.section == current && e.name == name; });
   return found == entries_.end() ? nullptr : &*found;
 }
 
@@ -124,7 +134,7 @@ void OptionTable::load_text(const std::string& yaml, const std::string& file) {
   if (!root.IsMap()) throw InputError(file, line_of(root), "is no map; expected section: {option: value}");
   std::map<std::string, long> seen;  // section, section.option: its line
   for (const auto& part : root) {
-    const std::string section = key_of(part.first, file);
+    const std::string section = current_name(key_of(part.first, file));
     const auto names = sections();
     if (std::find(names.begin(), names.end(), section) == names.end()) {
       throw InputError(file, line_of(part.first),
@@ -171,8 +181,9 @@ void OptionTable::load_text(const std::string& yaml, const std::string& file) {
   }
 }
 
-std::string OptionTable::dump(std::string_view section) const {
+std::string OptionTable::dump(std::string_view asked_for) const {
   const auto names = sections();
+  const std::string section = current_name(asked_for);
   if (!section.empty() && std::find(names.begin(), names.end(), section) == names.end()) {
     throw std::invalid_argument("unknown section " + quote_text(section) + "; expected one of " + joined(names));
   }

@@ -33,6 +33,9 @@ class OptionTable {
   template <class Options>
   void add(std::string_view section, Options& options);
 
+  /// A section's earlier name: files that have it are still understood.
+  void add_alias(std::string_view earlier, std::string_view section);
+
   /// Reads `section: {option: value}` from YAML. @throws InputError with the line for text that is not YAML, an unknown
   /// section or option, one that stands twice, and a value of the wrong type, outside its bounds or below another one
   /// that it must not be below; SystemError.
@@ -44,12 +47,15 @@ class OptionTable {
   std::string dump(std::string_view section = "") const;
 
   const std::vector<OptionEntry>& entries() const { return entries_; }
+  /// Null for an option that does not exist.
+  const OptionEntry* find(std::string_view section, std::string_view name) const;
 
  private:
-  const OptionEntry* find(std::string_view section, std::string_view name) const;
+  std::string current_name(std::string_view section) const;
   std::vector<std::string> sections() const;
 
   std::vector<OptionEntry> entries_;
+  std::vector<std::pair<std::string, std::string>> aliases_;
 };
 
 namespace detail {

@@ -1,17 +1,16 @@
 #include "eval/bench.hpp"
 
 #include <algorithm>
-#include <exception>
 #include <numeric>
 #include <stdexcept>
-#include <thread>
 
+#include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "phasescan/core/time.hpp"
 #include "eval/pair_information.hpp"
 #include "eval/statistics.hpp"
-#include "phasescan/match/scan_matcher.hpp"
-#include "spectrum/fft.hpp"
+#include "methods/any_matcher.hpp"
+#include "fft_icp/spectrum/fft.hpp"
 
 namespace phasescan {
 namespace {
@@ -31,7 +30,7 @@ class Worker {
     references_.clear();
     if (!prepared_) return;
     for (std::size_t i = first; i < order.size(); i += step) {
-      for (ScanMatcher& matcher : matchers_) references_.push_back(matcher.prepare(block[order[i]].pair.reference));
+      for (AnyMatcher& matcher : matchers_) references_.push_back(matcher.prepare(block[order[i]].pair.reference));
     }
   }
 
@@ -54,7 +53,7 @@ class Worker {
   void time_again(const ScanPair& pair, std::size_t k, PairOutcome* out) {
     for (std::size_t turn = 0; turn < matchers_.size(); ++turn) {
       const std::size_t m = in_turn(turn, k);
-      const MatchTimes ms = match(m, k, pair).ms;
+      const MatchTimes ms = match(m, k, pair).diagnostics.ms;
       if (ms.total < out[m].ms.total) out[m].ms = ms;
     }
   }
@@ -69,8 +68,8 @@ class Worker {
   }
 
   bool prepared_;
-  std::vector<ScanMatcher> matchers_;
-  std::vector<Reference> references_;  // of the worker's pairs in turn, one per method
+  std::vector<AnyMatcher> matchers_;
+  std::vector<AnyReference> references_;  // of the worker's pairs in turn, one per method
 };
 
 /// 0 .. n-1 shuffled, always alike: neighbours in a file are often of one class and one place.
@@ -87,43 +86,32 @@ std::vector<std::size_t> shuffled(std::size_t n) {
 void run_block(const std::vector<BenchPair>& block, std::vector<Worker>& workers, std::size_t methods, int repeat,
                PairOutcome* out) {
   const std::vector<std::size_t> order = shuffled(block.size());
-  std::vector<std::exception_ptr> failures(workers.size());
-  const auto work = [&](std::size_t k) {
-    try {
-      workers[k].prepare(block, order, k, workers.size());
-      for (int r = 0; r < repeat; ++r) {
-        for (std::size_t i = k; i < order.size(); i += workers.size()) {
-          const BenchPair& given = block[order[i]];
-          PairOutcome* const at = out + order[i] * methods;
-          const std::size_t nth = i / workers.size();
-          r == 0 ? workers[k].run(given, nth, at) : workers[k].time_again(given.pair, nth, at);
-        }
+  run_workers(workers.size(), [&](std::size_t k) {
+    workers[k].prepare(block, order, k, workers.size());
+    for (int r = 0; r < repeat; ++r) {
+      for (std::size_t i = k; i < order.size(); i += workers.size()) {
+        const BenchPair& given = block[order[i]];
+        PairOutcome* const at = out + order[i] * methods;
+        const std::size_t nth = i / workers.size();
+        r == 0 ? workers[k].run(given, nth, at) : workers[k].time_again(given.pair, nth, at);
       }
-    } catch (...) {
-      failures[k] = std::current_exception();
     }
-  };
-  std::vector<std::thread> threads;
-  for (std::size_t k = 1; k < workers.size(); ++k) threads.emplace_back(work, k);
-  work(0);
-  for (std::thread& thread : threads) thread.join();
-  for (const std::exception_ptr& failure : failures) {
-    if (failure) std::rethrow_exception(failure);
-  }
+  });
 }
 
 }  // namespace
 
-std::vector<BenchMethod> bench_methods(const std::string& comma_separated, const MatchOptions& options) {
+std::vector<BenchMethod> bench_methods(const std::string& comma_separated, const AnyMatchOptions& options) {
   std::vector<BenchMethod> methods;
   for (std::size_t start = 0; start <= comma_separated.size();) {
     const std::size_t comma = std::min(comma_separated.find(',', start), comma_separated.size());
     const std::string name = comma_separated.substr(start, comma - start);
     start = comma + 1;
-    BenchMethod method{name, options};
+    BenchMethod method{"", options};
     method.options.match.method = enum_from_string<MatchMethod>(name);
+    method.name = to_string(method.options.match.method);
     for (const BenchMethod& other : methods) {
-      if (other.name == name) throw std::invalid_argument("method '" + name + "' is named twice");
+      if (other.name == method.name) throw std::invalid_argument("method '" + name + "' is named twice");
     }
     methods.push_back(std::move(method));
   }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "eval/pair_outcome.hpp"
-#include "phasescan/match/options.hpp"
+#include "methods/any_options.hpp"
 #include "sim/pairs.hpp"
 
 namespace phasescan {
@@ -16,16 +16,16 @@ namespace phasescan {
 /// One column of the comparison: a name and all options, the method among them.
 struct BenchMethod {
   std::string name;
-  MatchOptions options;
+  AnyMatchOptions options;
 };
 
 /// Columns for methods by name ("icp,fft-icp2"), all with the same options otherwise.
 /// @throws std::invalid_argument for an unknown or doubled name, or none.
-std::vector<BenchMethod> bench_methods(const std::string& comma_separated, const MatchOptions& options);
+std::vector<BenchMethod> bench_methods(const std::string& comma_separated, const AnyMatchOptions& options);
 
 /// A column from "NAME: section.option=value, ...": these options over the given ones.
 /// @throws std::invalid_argument saying what is wrong with the text.
-BenchMethod bench_variant(const std::string& text, const MatchOptions& options);
+BenchMethod bench_variant(const std::string& text, const AnyMatchOptions& options);
 
 /// A pair and where it came from.
 struct BenchPair {

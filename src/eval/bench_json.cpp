@@ -8,9 +8,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Section -> option -> value in force.
-Json options_json(const MatchOptions& options) {
+Json options_json(const AnyMatchOptions& options) {
   Json out;
-  MatchOptions::visit_sections(options, [&](std::string_view section, const auto& values) {
+  AnyMatchOptions::visit_sections(options, [&](std::string_view section, const auto& values) {
     using Section = std::decay_t<decltype(values)>;
     Json& at = out[std::string(section)];
     Section::visit(values, [&](std::string_view name, const auto& value, const OptionInfo&) {

@@ -1,9 +1,8 @@
 #include <deque>
-#include <exception>
 #include <map>
 #include <set>
-#include <thread>
 
+#include "core/parallel.hpp"
 #include "eval/bench.hpp"
 #include "phasescan/io/error.hpp"
 
@@ -62,21 +61,8 @@ PairSource simulated_source(std::shared_ptr<const sim::PairGenerator> generator,
       const std::size_t n = std::min(count - state->next, 32 * workers);
       if (n == 0) return std::nullopt;
       std::vector<BenchPair> block(n);
-      std::vector<std::exception_ptr> failures(workers);
-      const auto work = [&](std::size_t worker) {
-        try {
-          for (std::size_t i = worker; i < n; i += workers) block[i].pair = generator->make(state->next + i).pair;
-        } catch (...) {
-          failures[worker] = std::current_exception();
-        }
-      };
-      std::vector<std::thread> pool;
-      for (std::size_t w = 1; w < workers; ++w) pool.emplace_back(work, w);
-      work(0);
-      for (std::thread& t : pool) t.join();
-      for (const std::exception_ptr& failure : failures) {
-        if (failure) std::rethrow_exception(failure);
-      }
+      parallel_for(n, workers,
+                   [&](std::size_t i, std::size_t) { block[i].pair = generator->make(state->next + i).pair; });
       state->next += n;
       std::move(block.begin(), block.end(), std::back_inserter(state->ready));
     }

@@ -18,10 +18,8 @@ void set(const OptionTable& table, const std::string& assignment) {
     throw std::invalid_argument("'" + assignment + "'; expected SECTION.OPTION=VALUE");
   const std::string section = trimmed(assignment.substr(0, dot)),
                     name = trimmed(assignment.substr(dot + 1, equals - dot - 1));
-  const auto& entries = table.entries();
-  const auto entry = std::find_if(entries.begin(), entries.end(),
-                                  [&](const OptionEntry& e) { return e.section == section && e.name == name; });
-  if (entry == entries.end()) throw std::invalid_argument("no option " + section + "." + name);
+  const OptionEntry* entry = table.find(section, name);
+  if (entry == nullptr) throw std::invalid_argument("no option " + section + "." + name);
   try {
     entry->set(trimmed(assignment.substr(equals + 1)));
   } catch (const std::invalid_argument& error) {
@@ -31,14 +29,15 @@ void set(const OptionTable& table, const std::string& assignment) {
 
 }  // namespace
 
-BenchMethod bench_variant(const std::string& text, const MatchOptions& options) {
+BenchMethod bench_variant(const std::string& text, const AnyMatchOptions& options) {
   const std::size_t colon = text.find(':');
   BenchMethod variant{trimmed(text.substr(0, colon)), options};
   if (colon == std::string::npos || variant.name.empty())
     throw std::invalid_argument("--variant '" + text + "'; expected NAME: SECTION.OPTION=VALUE, ...");
   OptionTable table;
-  MatchOptions::visit_sections(variant.options,
-                               [&](std::string_view section, auto& values) { table.add(section, values); });
+  AnyMatchOptions::visit_sections(variant.options,
+                                  [&](std::string_view section, auto& values) { table.add(section, values); });
+  table.add_alias("mh", "global");
   try {
     for (std::size_t start = colon + 1; start < text.size();) {
       const std::size_t comma = std::min(text.find(',', start), text.size());

@@ -30,7 +30,7 @@ struct Closure {
   std::vector<Return> returns;  ///< those whose match can be trusted, in order of the log
 };
 
-/// Matches scans of one place with no guess (fft-mh) and compares with the trajectory's own relative poses.
+/// Matches scans of one place with no guess (global) and compares with the trajectory's own relative poses.
 /// @param log         read from its beginning
 /// @param trajectory  one pose of the base per scan, in the order of the log
 /// @throws std::invalid_argument if the log has not as many scans as the trajectory has poses

@@ -69,10 +69,10 @@ PairOutcome judge(const ScanPair& pair, const MatchResult& result, std::size_t m
   out.method = method;
   out.usable = result.usable;
   out.confidence = result.confidence;
-  out.features = result.features;
+  out.features = result.diagnostics.features;
   out.ambiguous = result.ambiguous;
-  out.rotation_source = result.rotation_source;
-  out.ms = result.ms;
+  out.rotation_source = result.diagnostics.rotation_source;
+  out.ms = result.diagnostics.ms;
   if (!pair.truth) return out;
   out.has_truth = true;
   out.overlap = overlap;

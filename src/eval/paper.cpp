@@ -14,7 +14,7 @@
 namespace phasescan {
 namespace {
 
-MatchOptions strict_options() {
+AnyMatchOptions strict_options() {
   for (const sim::EmbeddedFile& file : sim::embedded_files()) {
     if (file.name != "paper-strict.yaml") continue;
     Config config;
@@ -46,15 +46,15 @@ void PaperKit::data(const std::string& name, const nlohmann::ordered_json& json)
   files["data/" + name + ".json"] = json.dump(1) + "\n";
 }
 
-MatchOptions PaperKit::method(Variant variant, MatchMethod method) const {
-  MatchOptions out = options_of(variant);
+AnyMatchOptions PaperKit::method(Variant variant, MatchMethod method) const {
+  AnyMatchOptions out = options_of(variant);
   out.match.method = method;
   return out;
 }
 
 std::vector<BenchMethod> PaperKit::methods(Variant variant) const {
   return bench_methods(
-      variant == Variant::kPrinted ? "icp,ndt,fft,fft-icp1,fft-icp2" : "icp,ndt,fft,fft-icp1,fft-icp2,fft-mh",
+      variant == Variant::kPrinted ? "icp,ndt,fft,fft-icp1,fft-icp2" : "icp,ndt,fft,fft-icp1,fft-icp2,global",
       options_of(variant));
 }
 
@@ -67,7 +67,7 @@ PaperPairs paper_pairs(const PaperOptions& options) {
   return {std::make_shared<const sim::PairGenerator>(spec, options.seed), sets * per_scene_and_class};
 }
 
-MissingFeatures missing_features(const Scan& scan, const MatchOptions& options) {
+MissingFeatures missing_features(const Scan& scan, const AnyMatchOptions& options) {
   MissingFinder finder;
   MissingFeatures out;
   finder.find(scan, options.missing.beyond_dmax ? options.image.dmax_m : 0.0, deg_to_rad(options.missing.min_width_deg),
@@ -89,8 +89,8 @@ PaperFiles run_paper(const PaperOptions& options, const std::function<void(std::
   kit.report.bullets(
       {"As printed: configs/paper-strict.yaml. Where the paper is silent (twin at 180 degrees, peak interpolation, "
        "NDT's "
-       "settings) docs/method.md says what was chosen.",
-       "This project's defaults: the same methods with the choices that work best; fft-mh is this project's own "
+       "settings) docs/fft_icp.md says what was chosen.",
+       "This project's defaults: the same methods with the choices that work best; global is this project's own "
        "matcher.",
        "The paper used a real robot and hand-measured poses; here the scenes are simulated and the truth is exact."});
   begin("images and missing data (Fig. 2, 3)");

@@ -15,19 +15,21 @@ const char* const kNames = "icp,ndt,fft,fft-icp1,fft-icp2";
 /// One stage taken over from this project's defaults.
 struct Change {
   const char* what;
-  void (*apply)(MatchOptions& options, const MatchOptions& ours);
+  void (*apply)(AnyMatchOptions& options, const AnyMatchOptions& ours);
 };
 
 const std::array<Change, 6> kChanges{{
-    {"ICP drops far pairs, the gate shrinks", [](MatchOptions& o, const MatchOptions& ours) { o.icp = ours.icp; }},
+    {"ICP drops far pairs, the gate shrinks",
+     [](AnyMatchOptions& o, const AnyMatchOptions& ours) { o.icp = ours.icp; }},
     {"rotation ring by ring, not whitened, twin tried",
-     [](MatchOptions& o, const MatchOptions& ours) { o.rotation = ours.rotation, o.spectrum = ours.spectrum; }},
+     [](AnyMatchOptions& o, const AnyMatchOptions& ours) { o.rotation = ours.rotation, o.spectrum = ours.spectrum; }},
     {"translation in two dimensions, half whitened",
-     [](MatchOptions& o, const MatchOptions& ours) { o.translation = ours.translation; }},
+     [](AnyMatchOptions& o, const AnyMatchOptions& ours) { o.translation = ours.translation; }},
     {"image: dmax 6 m or more, blur, joined hits",
-     [](MatchOptions& o, const MatchOptions& ours) { o.image = ours.image; }},
-    {"missing data under strict gates", [](MatchOptions& o, const MatchOptions& ours) { o.missing = ours.missing; }},
-    {"NDT from coarse to fine cells", [](MatchOptions& o, const MatchOptions& ours) { o.ndt = ours.ndt; }},
+     [](AnyMatchOptions& o, const AnyMatchOptions& ours) { o.image = ours.image; }},
+    {"missing data under strict gates",
+     [](AnyMatchOptions& o, const AnyMatchOptions& ours) { o.missing = ours.missing; }},
+    {"NDT from coarse to fine cells", [](AnyMatchOptions& o, const AnyMatchOptions& ours) { o.ndt = ours.ndt; }},
 }};
 
 /// Only the pairs of class large.
@@ -64,7 +66,7 @@ std::string largest_gain(std::string_view method, std::size_t m, const std::vect
 
 void paper_changes(PaperKit& kit, const PaperPairs& pairs) {
   std::vector<BenchMethod> columns;
-  MatchOptions options = kit.printed;
+  AnyMatchOptions options = kit.printed;
   for (std::size_t step = 0; step <= kChanges.size(); ++step) {
     if (step > 0) kChanges[step - 1].apply(options, kit.ours);
     for (BenchMethod& method : bench_methods(kNames, options)) columns.push_back(std::move(method));
@@ -101,7 +103,7 @@ void paper_changes(PaperKit& kit, const PaperPairs& pairs) {
   kit.report.table(table);
   kit.report.paragraph(
       "Without rejection every closest point is a partner, so that what only one scan sees pulls the pose aside: an ICP "
-      "that starts from the FFT's answer then ends about where ICP alone ends. docs/method.md goes line by line.");
+      "that starts from the FFT's answer then ends about where ICP alone ends. docs/fft_icp.md goes line by line.");
   kit.data("fig10_changes", json);
 }
 

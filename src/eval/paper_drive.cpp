@@ -33,8 +33,8 @@ std::vector<Runner> runners() {
           {"fft-icp2", Variant::kPrinted, MatchMethod::kFftIcp2},
           {"icp", Variant::kOurs, MatchMethod::kIcp},
           {"fft-icp2", Variant::kOurs, MatchMethod::kFftIcp2},
-          {"fft-mh", Variant::kOurs, MatchMethod::kFftMh},
-          {"fft-mh, motion removed", Variant::kOurs, MatchMethod::kFftMh, true}};
+          {"global", Variant::kOurs, MatchMethod::kGlobal},
+          {"global, motion removed", Variant::kOurs, MatchMethod::kGlobal, true}};
 }
 
 /// All tracks of the experiment: [pace][stride][runner].
@@ -46,7 +46,7 @@ struct Experiment {
 Series styled(const std::string& name) {
   Series s;
   s.name = name;
-  s.color = name == "fft-mh, motion removed" ? std::string(palette::kGreen) : method_color(name);
+  s.color = name == "global, motion removed" ? std::string(palette::kGreen) : method_color(name);
   s.width = 1.4;
   return s;
 }

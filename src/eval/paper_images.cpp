@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "eval/paper_kit.hpp"
-#include "image/rasterize.hpp"
+#include "fft_icp/image/rasterize.hpp"
 #include "report/chart.hpp"
-#include "scan/missing.hpp"
+#include "fft_icp/missing/missing.hpp"
 
 namespace phasescan {
 namespace {
@@ -89,7 +89,7 @@ sim::SimulatedPair pair_with_most_missing(const PaperKit& kit, const PaperPairs&
   return best ? std::move(*best) : pairs.generator->make(0);
 }
 
-Chart image_chart(const Scan& scan, const MatchOptions& options, int size, const std::string& title) {
+Chart image_chart(const Scan& scan, const AnyMatchOptions& options, int size, const std::string& title) {
   ScanPoints points;
   scan_to_points(scan, points);
   std::vector<float> scratch;
@@ -173,7 +173,7 @@ void paper_images(PaperKit& kit, const PaperPairs& pairs) {
   third.cell_width = third.cell_height = 380.0;
   third.shared_legend = false;
   for (const Variant variant : {Variant::kPrinted, Variant::kOurs}) {
-    const MatchOptions& options = kit.options_of(variant);
+    const AnyMatchOptions& options = kit.options_of(variant);
     const MissingFeatures f = missing_features(scan, options);
     Chart chart;
     chart.title = fmt::format("Features, {}", variant_name(variant));

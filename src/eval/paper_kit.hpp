@@ -10,7 +10,7 @@
 #include "eval/statistics.hpp"
 #include "report/chart.hpp"
 #include "report/html.hpp"
-#include "scan/missing.hpp"
+#include "fft_icp/missing/missing.hpp"
 
 namespace phasescan {
 
@@ -19,7 +19,7 @@ enum class Variant { kPrinted, kOurs };
 
 struct PaperKit {
   PaperOptions options;
-  MatchOptions printed, ours;
+  AnyMatchOptions printed, ours;
   HtmlReport report;
   PaperFiles files;
 
@@ -28,10 +28,10 @@ struct PaperKit {
   /// Adds an SVG to the report and to the files.
   void figure(const std::string& name, const std::string& svg, const std::string& caption);
   void data(const std::string& name, const nlohmann::ordered_json& json);
-  const MatchOptions& options_of(Variant variant) const { return variant == Variant::kPrinted ? printed : ours; }
+  const AnyMatchOptions& options_of(Variant variant) const { return variant == Variant::kPrinted ? printed : ours; }
   /// All options of one method in one variant.
-  MatchOptions method(Variant variant, MatchMethod method) const;
-  /// The five methods of the paper in one variant, under their own names; with this project's defaults fft-mh too.
+  AnyMatchOptions method(Variant variant, MatchMethod method) const;
+  /// The five methods of the paper in one variant, under their own names; with this project's defaults global too.
   std::vector<BenchMethod> methods(Variant variant) const;
 };
 
@@ -47,7 +47,7 @@ struct PaperPairs {
 PaperPairs paper_pairs(const PaperOptions& options);
 
 /// The missing-data features of a scan as fft-icp2 sees them.
-MissingFeatures missing_features(const Scan& scan, const MatchOptions& options);
+MissingFeatures missing_features(const Scan& scan, const AnyMatchOptions& options);
 
 // The parts, in the order of the report.
 void paper_images(PaperKit& kit, const PaperPairs& pairs);     ///< Fig. 2, 3

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "eval/paper_tracks.hpp"
+#include "scan/points.hpp"
 
 namespace phasescan {
 namespace {
@@ -112,7 +113,7 @@ void paper_maps(PaperKit& kit) {
     figure.charts.push_back(map_chart(drive, stride, truth, truth, frame, "at the true poses"));
     add(Variant::kOurs, MatchMethod::kNdt);
     add(Variant::kOurs, MatchMethod::kFftIcp2);
-    add(Variant::kOurs, MatchMethod::kFftMh);
+    add(Variant::kOurs, MatchMethod::kGlobal);
     kit.figure(stride == 1 ? "fig12_maps_every_scan" : "fig12_maps_once_a_second", figure.svg(),
                fmt::format("Fig. 12: maps and paths, {}.",
                            stride == 1 ? "every scan matched with the one before" : "one match a second"));

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/paper_kit.hpp"
-#include "rotation/from_missing.hpp"
+#include "fft_icp/missing/from_missing.hpp"
 
 namespace phasescan {
 
@@ -22,7 +22,7 @@ void paper_stability(PaperKit& kit, const PaperPairs& pairs) {
   figure.cell_height = 300.0;
   figure.shared_legend = false;
   for (const Variant variant : {Variant::kPrinted, Variant::kOurs}) {
-    const MatchOptions& options = kit.options_of(variant);
+    const AnyMatchOptions& options = kit.options_of(variant);
     std::vector<Cell> cells(kBins);
     MissingMatcher matcher;
     PairSource source = simulated_source(pairs.generator, pairs.count, kit.options.threads);

@@ -5,8 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/paper_kit.hpp"
-#include "match/image_stages.hpp"
-#include "phasescan/match/scan_matcher.hpp"
+#include "fft_icp/image_stages.hpp"
+#include "methods/any_matcher.hpp"
+#include "phasescan/fft_icp/fft_icp.hpp"
 #include "report/scan_plot.hpp"
 
 namespace phasescan {
@@ -31,8 +32,8 @@ struct Steps {
   Pose2 by_fft, by_icp;
 };
 
-Steps run_steps(const ScanPair& pair, const MatchOptions& options) {
-  ImageStages stages(options, options.image.size, true);
+Steps run_steps(const ScanPair& pair, const AnyMatchOptions& options) {
+  ImageStages stages(options.for_fft_icp(FftIcpMethod::kFftIcp2), options.image.size, true);
   ScanPoints reference, scan;
   scan_to_points(pair.reference, reference);
   scan_to_points(pair.scan, scan);
@@ -44,9 +45,7 @@ Steps run_steps(const ScanPair& pair, const MatchOptions& options) {
     steps.by_missing = Pose2{0.0, 0.0, *theta};
     steps.by_fft = stages.translate(prepared, scan, *theta, false, ms).T_ref_scan;
   }
-  MatchOptions all = options;
-  all.match.method = MatchMethod::kFftIcp2;
-  steps.by_icp = match_scans(pair.reference, pair.scan, all).T_ref_scan;
+  steps.by_icp = match_fft_icp(pair.reference, pair.scan, options.for_fft_icp(FftIcpMethod::kFftIcp2)).T_ref_scan;
   return steps;
 }
 
@@ -90,7 +89,7 @@ void paper_steps(PaperKit& kit, const PaperPairs& pairs) {
                  "certain scenes only.");
 
   kit.report.heading("Fig. 9: one pair, five methods");
-  std::vector<ScanMatcher> printed, ours;
+  std::vector<AnyMatcher> printed, ours;
   const std::vector<BenchMethod> printed_methods = kit.methods(Variant::kPrinted),
                                  our_methods = kit.methods(Variant::kOurs);
   for (const BenchMethod& m : printed_methods) printed.emplace_back(m.options);
@@ -102,7 +101,7 @@ void paper_steps(PaperKit& kit, const PaperPairs& pairs) {
     return !right(0) && !right(1) && right(3) && right(4);
   });
   nlohmann::ordered_json json{{"pair", shown.id}, {"truth", {shown.truth->x, shown.truth->y, shown.truth->theta}}};
-  const auto draw = [&](std::vector<ScanMatcher>& matchers, const std::vector<BenchMethod>& methods, const char* key) {
+  const auto draw = [&](std::vector<AnyMatcher>& matchers, const std::vector<BenchMethod>& methods, const char* key) {
     Figure figure;
     figure.columns = 3;
     figure.cell_width = figure.cell_height = 300.0;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/match/scan_matcher.hpp"
+#include "methods/any_matcher.hpp"
 #include "sim/drive.hpp"
 #include "sim/pairs_spec.hpp"
 
@@ -33,8 +33,8 @@ RecordedDrive drive_tour(std::uint64_t seed, double speed_mps, double turn_rate_
   return out;
 }
 
-Track chain_matches(const RecordedDrive& drive, const MatchOptions& options, std::size_t stride, bool deskew) {
-  ScanMatcher matcher(options);
+Track chain_matches(const RecordedDrive& drive, const AnyMatchOptions& options, std::size_t stride, bool deskew) {
+  AnyMatcher matcher(options);
   Track track;
   Pose2 pose;
   MatchHints hints;

@@ -32,6 +32,7 @@ struct Track {
 };
 /// Poses of every `stride`-th scan, each matched with the one before and chained, whatever the match says of itself.
 /// @param deskew  the velocity of the step before is taken out of both scans
-Track chain_matches(const RecordedDrive& drive, const MatchOptions& options, std::size_t stride, bool deskew = false);
+Track chain_matches(const RecordedDrive& drive, const AnyMatchOptions& options, std::size_t stride,
+                    bool deskew = false);
 
 }  // namespace phasescan

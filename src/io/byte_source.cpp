@@ -24,8 +24,7 @@ constexpr std::size_t kBufferBytes = std::size_t{1} << 18;
 
 class FileSource : public ByteSource {
  public:
-  FileSource(std::string path, std::uint64_t from)
-      : path_(std::move(path)), fd_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
+  FileSource(std::string path, std::uint64_t from) : path_(std::move(path)), fd_(open_descriptor(path_)) {
     struct stat info {};
     if (fd_ >= 0 && ::fstat(fd_, &info) == 0 && S_ISDIR(info.st_mode)) {
       ::close(fd_);
@@ -33,30 +32,50 @@ class FileSource : public ByteSource {
       errno = EISDIR;
     }
     if (fd_ < 0) throw_errno(path_);
-    // Beyond any file there is nothing to read, which is what a wrong offset should give.
-    if (from > 0) ::lseek(fd_, static_cast<off_t>(std::min<std::uint64_t>(from, INT64_MAX)), SEEK_SET);
+    if (from == 0) return;
+    // Far beyond the end some file systems fail to read and some refuse to go there; there is nothing to read anyway.
+    ended_ = from >= static_cast<std::uint64_t>(std::max<off_t>(info.st_size, 0));
+    if (ended_ || ::lseek(fd_, static_cast<off_t>(from), SEEK_SET) >= 0) return;
+    const int why = errno;
+    ::close(fd_);
+    errno = why;
+    throw_errno(path_);
   }
   ~FileSource() override { ::close(fd_); }
   FileSource(const FileSource&) = delete;
   FileSource& operator=(const FileSource&) = delete;
 
   std::size_t read(std::uint8_t* out, std::size_t n) override {
-    for (;;) {
+    while (!ended_) {
       const ssize_t got = ::read(fd_, out, n);
       if (got >= 0) return static_cast<std::size_t>(got);
       if (errno != EINTR) throw_errno(path_);
     }
+    return 0;
   }
 
  private:
+  static int open_descriptor(const std::string& path) {
+    // Standard input may be a socket, which cannot be opened by its name.
+    if (path == "-") return ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0);
+    return ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  }
+
   std::string path_;
   int fd_;
+  bool ended_ = false;
 };
 
 }  // namespace
 
 std::unique_ptr<ByteSource> open_file_source(const std::string& path, std::uint64_t from) {
   return std::make_unique<FileSource>(path, from);
+}
+
+bool is_regular_file(const std::string& path) {
+  struct stat info {};
+  const int rc = path == "-" ? ::fstat(STDIN_FILENO, &info) : ::stat(path.c_str(), &info);
+  return rc == 0 && S_ISREG(info.st_mode);
 }
 
 std::uint64_t file_size_bytes(const std::string& path) {

@@ -18,9 +18,12 @@ class ByteSource {
   virtual std::size_t read(std::uint8_t* out, std::size_t n) = 0;
 };
 
-/// A file from its first byte, or from byte `from`. @throws InputError where there is no such file, SystemError where
-/// it may not be read.
+/// A file from its first byte, or from byte `from` (nothing where the file ends before it); "-" is standard input.
+/// @throws InputError where there is no such file, SystemError where it may not be read.
 std::unique_ptr<ByteSource> open_file_source(const std::string& path, std::uint64_t from = 0);
+
+/// Whether a path can be opened a second time and gives the same bytes: a regular file, no pipe and no terminal.
+bool is_regular_file(const std::string& path);
 
 /// Size of a file [bytes].
 std::uint64_t file_size_bytes(const std::string& path);
@@ -67,6 +70,16 @@ class ByteStream {
   std::size_t end_ = 0;
   std::uint64_t position_ = 0;
   bool ended_ = false;
+};
+
+/// The rest of a stream as a source.
+class StreamSource : public ByteSource {
+ public:
+  explicit StreamSource(ByteStream stream) : stream_(std::move(stream)) {}
+  std::size_t read(std::uint8_t* out, std::size_t n) override { return stream_.read_some(out, n); }
+
+ private:
+  ByteStream stream_;
 };
 
 /// The next `length` bytes of a stream as a source of their own. The stream must outlive it.

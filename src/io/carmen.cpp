@@ -219,7 +219,8 @@ class CarmenReader : public TextLogReader {
   std::optional<Pose2> odometry_;
 };
 
-bool is_carmen(const std::string&, std::string_view prefix) {
+bool is_carmen(const LogInput& input) {
+  const std::string_view prefix = input.prefix();
   static constexpr std::array<std::string_view, 9> kStarts{"FLASER ",  "RAWLASER",         "ROBOTLASER",
                                                            "ODOM ",    "PARAM ",           "SYNC ",
                                                            "TRUEPOS ", "# CARMEN Logfile", "# message_name"};
@@ -234,8 +235,8 @@ bool is_carmen(const std::string&, std::string_view prefix) {
   return false;
 }
 
-std::unique_ptr<LogReader> open_carmen(const std::string& path, const LogOptions&) {
-  return std::make_unique<CarmenReader>(path);
+std::unique_ptr<LogReader> open_carmen(LogInput& input, const LogOptions&) {
+  return std::make_unique<CarmenReader>(input);
 }
 
 }  // namespace

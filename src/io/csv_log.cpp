@@ -157,12 +157,12 @@ class CsvReader final : public CsvRowReader {
 }  // namespace
 
 LogFormat csv_format() {
-  return {"CSV with a header (or --columns)",
-          [](const std::string&, std::string_view prefix) { return looks_like_csv(prefix); }, open_csv};
+  return {"CSV with a header (or --columns)", [](const LogInput& input) { return looks_like_csv(input.prefix()); },
+          open_csv};
 }
 
-std::unique_ptr<LogReader> open_csv(const std::string& path, const LogOptions& options) {
-  return std::make_unique<CsvReader>(path, options);
+std::unique_ptr<LogReader> open_csv(LogInput& input, const LogOptions& options) {
+  return std::make_unique<CsvReader>(input, options);
 }
 
 }  // namespace phasescan

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <memory>
-#include <string>
 #include <string_view>
 
+#include "io/log_input.hpp"
 #include "phasescan/io/log.hpp"
 
 namespace phasescan {
@@ -14,6 +14,6 @@ bool looks_like_csv(std::string_view prefix);
 
 /// `options.columns` (names separated by commas) replaces the header.
 /// @throws InputError where the names make no log.
-std::unique_ptr<LogReader> open_csv(const std::string& path, const LogOptions& options);
+std::unique_ptr<LogReader> open_csv(LogInput& input, const LogOptions& options);
 
 }  // namespace phasescan

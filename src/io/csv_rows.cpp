@@ -25,7 +25,7 @@ bool is_comment(std::string_view line) {
 
 }  // namespace
 
-CsvRowReader::CsvRowReader(const std::string& path, const LogOptions& options) : TextLogReader(path) {
+CsvRowReader::CsvRowReader(LogInput& input, const LogOptions& options) : TextLogReader(input) {
   if (!options.columns.empty()) {
     std::vector<std::string_view> names;
     split_fields(options.columns, ',', names);

@@ -16,7 +16,7 @@ namespace phasescan {
 class CsvRowReader : public TextLogReader {
  public:
   /// @throws InputError where neither a header nor --columns names ranges.
-  CsvRowReader(const std::string& path, const LogOptions& options);
+  CsvRowReader(LogInput& input, const LogOptions& options);
 
  protected:
   struct Row {

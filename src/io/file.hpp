@@ -10,11 +10,15 @@
 
 namespace phasescan {
 
+class ByteSource;
+
 /// Bytes of a file from front to back; gzip, bzip2, lz4 and zstd are recognised by content and unpacked on the way.
 class InputStream {
  public:
   /// @throws InputError (not found, a folder), SystemError (permission and whatever else the system refuses).
   explicit InputStream(const std::string& path);
+  /// Bytes that are there already, unpacked; `name` is what errors call them.
+  InputStream(std::string name, std::unique_ptr<ByteSource> bytes);
   ~InputStream();
   InputStream(InputStream&&) noexcept;
   InputStream& operator=(InputStream&&) noexcept;
@@ -42,6 +46,7 @@ class LineReader {
   static constexpr std::size_t kMaxLineBytes = std::size_t{256} << 20;
 
   explicit LineReader(const std::string& path);
+  explicit LineReader(InputStream stream) : stream_(std::move(stream)) {}
 
   /// The next line; false at the end. @throws InputError as InputStream::read, and for a line beyond kMaxLineBytes.
   bool next(std::string& line);
@@ -62,9 +67,7 @@ class LineReader {
 
 /// The whole file, unpacked. @throws as InputStream; InputError if it has more than `max_bytes`.
 std::string read_file(const std::string& path, std::size_t max_bytes = std::size_t{1} << 30);
-
-/// The first bytes of a file, unpacked: at most `count`. @throws as InputStream.
-std::string read_prefix(const std::string& path, std::size_t count);
+std::string read_all(InputStream& stream, std::size_t max_bytes = std::size_t{1} << 30);
 
 /// A file that appears whole or not at all: written beside its place, synced and renamed by `commit`. Without a commit
 /// nothing stays. A name ending in .gz is packed (no time stamp inside: same content, same bytes). Something that is no

@@ -29,6 +29,10 @@ InputStream::InputStream(const std::string& path) : path_(path), handle_(std::ma
   handle_->bytes = decompress(sniff_compression(Bytes(magic.data(), size)),
                               std::make_unique<PrefixedSource>(Bytes(magic.data(), size), std::move(file)));
 }
+InputStream::InputStream(std::string name, std::unique_ptr<ByteSource> bytes)
+    : path_(std::move(name)), handle_(std::make_unique<Handle>()) {
+  handle_->bytes = std::move(bytes);
+}
 InputStream::~InputStream() = default;
 InputStream::InputStream(InputStream&&) noexcept = default;
 InputStream& InputStream::operator=(InputStream&&) noexcept = default;
@@ -92,15 +96,12 @@ bool LineReader::next(std::string& line) {
   return true;
 }
 
-std::string read_prefix(const std::string& path, std::size_t count) {
-  InputStream stream(path);
-  std::string text(count, '\0');
-  text.resize(stream.read(text));
-  return text;
-}
-
 std::string read_file(const std::string& path, std::size_t max_bytes) {
   InputStream stream(path);
+  return read_all(stream, max_bytes);
+}
+
+std::string read_all(InputStream& stream, std::size_t max_bytes) {
   std::string text;
   for (;;) {
     const std::size_t before = text.size();
@@ -108,7 +109,7 @@ std::string read_file(const std::string& path, std::size_t max_bytes) {
     text.resize(before + stream.read(std::span(text).subspan(before)));
     if (text.size() == before) return text;
     if (text.size() > max_bytes) {
-      throw InputError(path, 0, "holds more than " + std::to_string(max_bytes) + " bytes; expected fewer");
+      throw InputError(stream.path(), 0, "holds more than " + std::to_string(max_bytes) + " bytes; expected fewer");
     }
   }
 }

@@ -5,7 +5,6 @@
 #include "io/csv_log.hpp"
 #include "io/log_format.hpp"
 #include "phasescan/io/error.hpp"
-#include "io/file.hpp"
 
 namespace phasescan {
 namespace {
@@ -21,26 +20,26 @@ std::vector<LogFormat> log_formats() {
 }  // namespace
 
 std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& options) {
-  std::error_code ignored;
-  const auto kind = std::filesystem::status(path, ignored).type();
-  if (kind == std::filesystem::file_type::fifo || kind == std::filesystem::file_type::socket)
-    throw InputError(path, 0, "is a pipe; expected a file, since a log is read more than once");
-  const bool folder = kind == std::filesystem::file_type::directory;
-  const std::string prefix = folder ? std::string() : read_prefix(path, kPrefixBytes);
-  if (!folder && prefix.empty()) throw InputError(path, 1, "the file is empty; expected a log");
-  if (!folder && !options.columns.empty() && options.topic.empty()) return open_csv(path, options);
+  LogInput input(path);
+  if (!input.is_folder() && !options.columns.empty() && options.topic.empty()) return open_csv(input, options);
   std::string names;
   for (const LogFormat& format : log_formats()) {
-    if (format.probe(path, prefix)) {
+    if (format.probe(input)) {
       if (!options.topic.empty() && !format.topics)
-        throw InputError(path, 0, "has no topics: " + std::string(format.name) + "; expected no --topic with it");
-      return format.open(path, options);
+        throw InputError(input.name(), 0,
+                         "has no topics: " + std::string(format.name) + "; expected no --topic with it");
+      return format.open(input, options);
     }
     names += (names.empty() ? "" : ", ") + std::string(format.name);
   }
-  throw InputError(
-      path, folder ? 0 : 1,
-      std::string(folder ? "is a folder of no known format" : "is of no known format") + "; expected one of " + names);
+  throw InputError(input.name(), input.is_folder() ? 0 : 1,
+                   std::string(input.is_folder() ? "is a folder of no known format" : "is of no known format") +
+                       "; expected one of " + names);
+}
+
+bool can_be_read_again(const std::string& path) {
+  std::error_code ignored;
+  return is_regular_file(path) || std::filesystem::is_directory(path, ignored);
 }
 
 }  // namespace phasescan

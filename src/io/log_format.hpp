@@ -2,27 +2,21 @@
 // table.
 #pragma once
 
-#include <cstddef>
 #include <memory>
-#include <string>
 #include <string_view>
 
+#include "io/log_input.hpp"
 #include "phasescan/io/log.hpp"
 
 namespace phasescan {
 
-/// How much of a file's head is looked at to tell its format.
-inline constexpr std::size_t kPrefixBytes = std::size_t{1} << 16;
-
 /// One readable log format.
 struct LogFormat {
   std::string_view name;
-  /// Whether this is the format of a file with these first bytes (unpacked if packed; at most kPrefixBytes), or of the
-  /// folder `path`
-  /// (`prefix` is empty then).
-  bool (*probe)(const std::string& path, std::string_view prefix);
-  /// @throws InputError, SystemError
-  std::unique_ptr<LogReader> (*open)(const std::string& path, const LogOptions& options);
+  /// Whether this is the format of a file with this prefix, or of the folder.
+  bool (*probe)(const LogInput& input);
+  /// Takes the input's bytes. @throws InputError, SystemError
+  std::unique_ptr<LogReader> (*open)(LogInput& input, const LogOptions& options);
   bool topics = false;  ///< whether LogOptions::topic means anything
 };
 

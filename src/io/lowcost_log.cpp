@@ -262,23 +262,22 @@ std::optional<LowcostFormat> sniff_lowcost(std::string_view first_line) {
   return std::nullopt;
 }
 
-std::unique_ptr<LogReader> open_lowcost(const std::string& path, LowcostFormat format) {
+std::unique_ptr<LogReader> open_lowcost(LogInput& input, LowcostFormat format) {
   switch (format) {
     case LowcostFormat::kSlambot:
-      return std::make_unique<SlambotReader>(path);
+      return std::make_unique<SlambotReader>(input);
     case LowcostFormat::kBreezy:
-      return std::make_unique<BreezyReader>(path);
+      return std::make_unique<BreezyReader>(input);
     case LowcostFormat::kPolar:
       break;
   }
-  return std::make_unique<PolarReader>(path);
+  return std::make_unique<PolarReader>(input);
 }
 
 LogFormat lowcost_format() {
-  return {"low-cost text",
-          [](const std::string&, std::string_view prefix) { return sniff_lowcost(first_line(prefix)).has_value(); },
-          [](const std::string& path, const LogOptions&) {
-            return open_lowcost(path, sniff_lowcost(first_line(read_prefix(path, kPrefixBytes))).value());
+  return {"low-cost text", [](const LogInput& input) { return sniff_lowcost(first_line(input.prefix())).has_value(); },
+          [](LogInput& input, const LogOptions&) {
+            return open_lowcost(input, sniff_lowcost(first_line(input.prefix())).value());
           }};
 }
 

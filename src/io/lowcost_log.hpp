@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "io/log_input.hpp"
 #include "phasescan/io/log.hpp"
 
 namespace phasescan {
@@ -19,6 +20,6 @@ enum class LowcostFormat {
 /// By the first line: how many numbers there are and what separates them.
 std::optional<LowcostFormat> sniff_lowcost(std::string_view first_line);
 
-std::unique_ptr<LogReader> open_lowcost(const std::string& path, LowcostFormat format);
+std::unique_ptr<LogReader> open_lowcost(LogInput& input, LowcostFormat format);
 
 }  // namespace phasescan

@@ -1,7 +1,9 @@
-/// Whether what a log calls odometry is wheel odometry.
+/// Whether what a log calls odometry is wheel odometry, told while the log is read: a pipe is read once.
 #pragma once
 
-#include <map>
+#include <cstddef>
+#include <deque>
+#include <optional>
 #include <string>
 
 #include "phasescan/io/log.hpp"
@@ -13,16 +15,53 @@ struct OdometrySource {
   std::string assumed;  ///< what was assumed and why, in words
 };
 
-/// Where odometry and corrected poses are the same in every scan: they are corrected ones if a mapping program has left
-/// its marks in the log (particle filter states, or odometry lines that the scans' poses do not follow), and then count
-/// as none; else they are odometry, written twice.
-/// @param facts  of the reader, at the end of the log
-OdometrySource source_of_same_poses(const std::map<std::string, std::string>& facts);
+/// Odometry that differs from the log's corrected poses is wheel odometry, and so is odometry of a log without
+/// corrected poses. Where both are the same in the first scans they are corrected poses if a mapping program has left
+/// its marks (particle filter states) by then, and count as no odometry; without a mark they are odometry, written
+/// twice.
+///
+/// Mapping programs write their marks after each scan they use: of the shared recordings the two corrected ones have
+/// them behind the first scan. What is decided stays; what the log shows later is said in `assumed`.
+class OdometryJudge {
+ public:
+  /// Scans with both poses the same that are looked at before it is decided.
+  static constexpr std::size_t kFirstScans = 50;
 
-/// Looks through a log. Odometry that differs from the log's corrected poses is wheel odometry; where both are the same
-/// see above. Of a log without odometry it is not told that there is none: it may begin late.
-/// @cost reads the log once where the two are the same, else its first scans
-/// @throws as open_log
-OdometrySource find_odometry_source(const std::string& path, const LogOptions& options = {});
+  /// `log` is where the entry comes from: its facts so far are asked for when it is time to decide.
+  void add(const LogEntry& entry, const LogReader& log);
+  /// The log has ended.
+  void finish(const LogReader& log);
+
+  /// Whether more scans may change `source().usable`.
+  bool is_open() const { return !usable_.has_value(); }
+  OdometrySource source() const;
+
+ private:
+  void decide(const LogReader& log);
+
+  std::size_t scans_ = 0, with_odometry_ = 0, with_both_ = 0, same_ = 0;
+  std::size_t first_different_ = 0;  ///< 1-based scan
+  bool by_same_poses_ = false, marks_late_ = false;
+  std::optional<bool> usable_;
+};
+
+/// The entries of a log with odometry that is none taken off. Holds entries back only while they could be of either
+/// kind: at most OdometryJudge::kFirstScans, and only of logs with corrected poses.
+class JudgedLog {
+ public:
+  /// `log` must outlive it.
+  explicit JudgedLog(LogReader& log) : log_(log) {}
+
+  /// As LogReader::next.
+  std::optional<LogEntry> next();
+  /// Final once `next` has given nothing.
+  OdometrySource source() const { return judge_.source(); }
+
+ private:
+  LogReader& log_;
+  OdometryJudge judge_;
+  std::deque<LogEntry> waiting_;
+  bool ended_ = false;
+};
 
 }  // namespace phasescan

@@ -1,8 +1,4 @@
-#include "io/recording.hpp"
-
-#include <filesystem>
-
-#include "io/decompress.hpp"
+// The containers of ROS, told apart by content, packed or not.
 #include "io/log_format.hpp"
 #include "io/mcap_log.hpp"
 #include "io/rosbag1_log.hpp"
@@ -13,62 +9,34 @@
 namespace phasescan {
 namespace {
 
-Bytes as_bytes(std::string_view text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+Bytes first_bytes(const LogInput& input) {
+  return {reinterpret_cast<const std::uint8_t*>(input.prefix().data()), input.prefix().size()};
 }
 
-/// As much of the beginning as can be had; damage further on is the reader's to name.
-Bytes safe_peek(ByteStream& stream, std::size_t n) {
-  try {
-    return stream.peek(n);
-  } catch (const DecodeError&) {
-    return stream.buffered();
-  }
-}
-
-}  // namespace
-
-std::unique_ptr<LogReader> open_recording(const std::string& path, const LogOptions& options) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) return open_rosbag2_folder(path, options);
-  ByteStream stream(open_file_source(path));
-  const Compression compression = sniff_compression(stream.peek(4));
-  if (compression != Compression::kNone) stream = ByteStream(decompress(compression, open_file_source(path)));
-  const Bytes first = safe_peek(stream, 16);
-  if (looks_like_rosbag1(first)) return open_rosbag1(path, std::move(stream), options);
-  if (looks_like_mcap(first)) return open_mcap(path, std::move(stream), options);
-  if (looks_like_sqlite(first)) {
-    if (compression == Compression::kNone) return open_rosbag2_sqlite(path, options);
-    return open_rosbag2_packed_sqlite(path, std::move(stream), options);
-  }
-  return nullptr;
-}
-
-namespace {
-
-std::unique_ptr<LogReader> open_known(const std::string& path, const LogOptions& options) {
-  auto log = open_recording(path, options);
-  if (!log) throw InputError(path, 0, "is no recording; expected a rosbag or an MCAP");
-  return log;
+std::unique_ptr<LogReader> open_rosbag2(LogInput& input, const LogOptions& options) {
+  if (input.is_folder()) return open_rosbag2_folder(input.path(), options);
+  if (input.is_packed()) return open_rosbag2_packed_sqlite(input.name(), input.take(), options);
+  if (input.is_file()) return open_rosbag2_sqlite(input.path(), options);
+  throw InputError(input.name(), 0,
+                   "is a .db3 (sqlite3) on a pipe; expected it as a file, since a database is not read front to back");
 }
 
 }  // namespace
 
 LogFormat rosbag1_format() {
-  return {"rosbag1", [](const std::string&, std::string_view prefix) { return looks_like_rosbag1(as_bytes(prefix)); },
-          open_known, true};
+  return {"rosbag1", [](const LogInput& input) { return looks_like_rosbag1(first_bytes(input)); }, open_rosbag1, true};
 }
 
 LogFormat rosbag2_format() {
-  return {
-      "rosbag2 (a folder or a .db3)",
-      [](const std::string&, std::string_view prefix) { return prefix.empty() || looks_like_sqlite(as_bytes(prefix)); },
-      open_known, true};
+  return {"rosbag2 (a folder or a .db3)",
+          [](const LogInput& input) { return input.is_folder() || looks_like_sqlite(first_bytes(input)); },
+          open_rosbag2, true};
 }
 
 LogFormat mcap_format() {
-  return {"MCAP", [](const std::string&, std::string_view prefix) { return looks_like_mcap(as_bytes(prefix)); },
-          open_known, true};
+  return {"MCAP", [](const LogInput& input) { return looks_like_mcap(first_bytes(input)); },
+          [](LogInput& input, const LogOptions& options) { return open_mcap(input.name(), input.take(), options); },
+          true};
 }
 
 }  // namespace phasescan

@@ -51,8 +51,9 @@ class Fields {
 
 class Rosbag1Container final : public ros::Container {
  public:
-  Rosbag1Container(std::string path, ByteStream stream, ros::RosLogReader& log)
-      : path_(std::move(path)), file_(std::move(stream)), log_(log) {}
+  /// `index_file`: where to look for the index; empty where it cannot be looked up.
+  Rosbag1Container(std::string path, std::string index_file, ByteStream stream, ros::RosLogReader& log)
+      : path_(std::move(path)), index_file_(std::move(index_file)), file_(std::move(stream)), log_(log) {}
 
   std::string format() const override { return "rosbag1"; }
 
@@ -170,8 +171,8 @@ class Rosbag1Container final : public ros::Container {
   /// A connection whose description was lost with its chunk may stand in the index at the end of the file, too.
   void ask_index() {
     index_asked_ = true;
-    if (index_position_ == 0) return;
-    ByteStream index(open_file_source(path_, index_position_));
+    if (index_position_ == 0 || index_file_.empty()) return;
+    ByteStream index(open_file_source(index_file_, index_position_));
     try {
       std::vector<std::uint8_t> header;
       while (!index.at_end()) {
@@ -230,7 +231,7 @@ class Rosbag1Container final : public ros::Container {
     chunk_ = std::make_unique<ByteStream>(decompress(known->second, std::move(slice)));
   }
 
-  std::string path_;
+  std::string path_, index_file_;
   ByteStream file_;
   ros::RosLogReader& log_;
   std::unique_ptr<ByteStream> chunk_;
@@ -252,17 +253,20 @@ bool looks_like_rosbag1(Bytes first) {
   return text.starts_with("#ROSBAG V") || text.starts_with("#ROSRECORD V");
 }
 
-std::unique_ptr<LogReader> open_rosbag1(const std::string& path, ByteStream stream, const LogOptions& options) {
+std::unique_ptr<LogReader> open_rosbag1(LogInput& input, const LogOptions& options) {
+  const std::string& name = input.name();
+  ByteStream stream = input.take();
   const Bytes first = stream.peek(32);
   const std::string_view magic(reinterpret_cast<const char*>(first.data()), first.size());
   if (!magic.starts_with(kMagic)) {
     const std::string named(magic.substr(1, magic.find_first_of("\n\r") - 1));
-    throw InputError(path, 0,
+    throw InputError(name, 0,
                      "a bag of the format '" + named + "'; expected 'ROSBAG V2.0' (`rosbag fix` of ROS 1 converts it)");
   }
   stream.skip(kMagic.size());
-  auto log = std::make_unique<ros::RosLogReader>(path, options);
-  log->read_from(std::make_unique<Rosbag1Container>(path, std::move(stream), *log));
+  auto log = std::make_unique<ros::RosLogReader>(name, options);
+  const std::string file = input.is_file() && !input.is_packed() ? input.path() : std::string();
+  log->read_from(std::make_unique<Rosbag1Container>(name, file, std::move(stream), *log));
   return log;
 }
 

@@ -99,7 +99,10 @@ std::string format_scan_json(const Scan& scan) {
 }
 
 Scan read_scan_file(const std::string& path) {
-  std::string text = read_file(path, LineReader::kMaxLineBytes);
+  return parse_scan_file(read_file(path, LineReader::kMaxLineBytes), path);
+}
+
+Scan parse_scan_file(std::string text, const std::string& path) {
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
     throw InputError(path, 1, "the file is empty; expected a scan as JSON");

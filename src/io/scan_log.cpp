@@ -1,5 +1,8 @@
 #include "io/scan_log.hpp"
 
+#include <algorithm>
+#include <vector>
+
 #include "io/json.hpp"
 #include "io/log_format.hpp"
 #include "io/text_log.hpp"
@@ -53,7 +56,10 @@ class ScanLogReader : public TextLogReader {
 // A scan's text over several lines (a scan JSON file made for reading) is a log of that one scan.
 class ScanFileReader : public LogReader {
  public:
-  explicit ScanFileReader(const std::string& path) { entry_.emplace().scan = read_scan_file(path); }
+  explicit ScanFileReader(LogInput& input) {
+    InputStream stream(input.name(), std::make_unique<StreamSource>(input.take()));
+    entry_.emplace().scan = parse_scan_file(read_all(stream, LineReader::kMaxLineBytes), input.name());
+  }
 
   std::optional<LogEntry> next() override {
     auto out = std::move(entry_);
@@ -70,7 +76,8 @@ class ScanFileReader : public LogReader {
   std::optional<LogEntry> entry_;
 };
 
-bool is_json_object(const std::string&, std::string_view prefix) {
+bool is_json_object(const LogInput& input) {
+  const std::string_view prefix = input.prefix();
   const std::size_t first = prefix.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first == std::string_view::npos) return false;
   if (prefix[first] == '{') return true;
@@ -82,23 +89,36 @@ bool is_json_object(const std::string&, std::string_view prefix) {
   return false;
 }
 
-std::unique_ptr<LogReader> open_json(const std::string& path, const LogOptions&) {
-  LineReader lines(path);
-  std::string line;
-  while (lines.next(line) && line.find_first_not_of(" \t") == std::string::npos) {
+bool is_blank(std::string_view line) {
+  return line.find_first_not_of(" \t\r\xEF\xBB\xBF") == std::string_view::npos;
+}
+
+/// A first line that does not end an object, and a second one that begins none: one object over several lines.
+bool is_one_object(std::string_view prefix) {
+  std::vector<std::string_view> lines;
+  while (lines.size() < 2) {
+    const std::size_t end = prefix.find('\n');
+    // A line that does not end here is longer than anyone writes for reading.
+    if (end == std::string_view::npos && (lines.empty() || prefix.empty())) return false;
+    const std::string_view line = prefix.substr(0, end);
+    if (!is_blank(line)) lines.push_back(line);
+    prefix.remove_prefix(end == std::string_view::npos ? prefix.size() : end + 1);
   }
-  if (line.find("\"reference\"") != std::string::npos) {
-    throw InputError(path, lines.line_number(), "is a pairs file; expected a log of scans");
+  const std::size_t last = lines[0].find_last_not_of(" \t\r");
+  return lines[0][last] != '}' && lines[1][lines[1].find_first_not_of(" \t")] != '{';
+}
+
+std::unique_ptr<LogReader> open_json(LogInput& input, const LogOptions&) {
+  const std::string_view prefix = input.prefix();
+  const std::size_t start = std::min(prefix.find('{'), prefix.size());
+  const std::string_view first_line = prefix.substr(start, prefix.find('\n', start) - start);
+  if (first_line.find("\"reference\"") != std::string_view::npos) {
+    const long line =
+        1 + static_cast<long>(std::count(prefix.begin(), prefix.begin() + static_cast<long>(start), '\n'));
+    throw InputError(input.name(), line, "is a pairs file; expected a log of scans");
   }
-  line.erase(line.find_last_not_of(" \t") + 1);
-  if (line.ends_with('}') || !lines.line_was_ended()) return std::make_unique<ScanLogReader>(path);
-  std::string second;
-  while (lines.next(second) && second.find_first_not_of(" \t") == std::string::npos) {
-  }
-  const std::size_t start = second.find_first_not_of(" \t");
-  const bool one_object = start != std::string::npos && second[start] != '{';
-  if (one_object) return std::make_unique<ScanFileReader>(path);
-  return std::make_unique<ScanLogReader>(path);
+  if (is_one_object(prefix)) return std::make_unique<ScanFileReader>(input);
+  return std::make_unique<ScanLogReader>(input);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
+#include "io/log_input.hpp"
 #include "phasescan/io/log.hpp"
 
 namespace phasescan {
@@ -13,7 +14,8 @@ namespace phasescan {
 /// what they cannot read.
 class TextLogReader : public LogReader {
  public:
-  explicit TextLogReader(const std::string& path) : lines_(path) {}
+  explicit TextLogReader(LogInput& input)
+      : lines_(InputStream(input.name(), std::make_unique<StreamSource>(input.take()))) {}
 
  protected:
   /// The next line that is not blank; false at the end, which broken gzip data is too (recorded).

@@ -8,32 +8,12 @@
 #include <optional>
 #include <utility>
 
-#include "phasescan/core/options.hpp"
 #include "phasescan/core/pose2.hpp"
+#include "phasescan/map/options.hpp"
+#include "phasescan/map/trinary_map.hpp"
 #include "phasescan/scan/scan.hpp"
 
 namespace phasescan {
-
-/// How rays change cells. Log-odds are kept in steps of 1/20 (8 bits a cell).
-struct OccupancyOptions {
-  double resolution_m = 0.05;
-  double max_ray_m = 30.0;  ///< free space farther along a ray is not marked; hits beyond are left out
-  double hit_log_odds = 0.9;
-  double miss_log_odds = -0.4;
-  double missing_log_odds = -0.1;  ///< of a beam that came back from nowhere, short of what its neighbours saw
-  double clamp_log_odds = 5.0;     ///< so that a cell can change its mind
-
-  template <class Self, class Visitor>
-  static void visit(Self& self, Visitor&& v) {
-    v("resolution_m", self.resolution_m, OptionInfo{"m", "size of a map cell", 0.005, 1});
-    v("max_ray_m", self.max_ray_m, OptionInfo{"m", "rays are drawn no farther", 0.5, 200});
-    v("hit_log_odds", self.hit_log_odds, OptionInfo{"", "what a hit adds to its cell", 0.05, 5});
-    v("miss_log_odds", self.miss_log_odds, OptionInfo{"", "what a ray adds to the cells it crosses", -5, -0.05});
-    v("missing_log_odds", self.missing_log_odds,
-      OptionInfo{"", "what a beam without a return adds, short of its neighbours' hits", -5, 0});
-    v("clamp_log_odds", self.clamp_log_odds, OptionInfo{"", "no cell is surer than this", 0.5, 6});
-  }
-};
 
 /// Cells in an unbounded plane. Cell (i, k) covers [i, i+1) x [k, k+1) times the resolution; its value is a log-odds.
 class OccupancyGrid {
@@ -84,5 +64,9 @@ class OccupancyGrid {
   std::pair<int, int> last_{0, 0};
   Tile* last_tile_ = nullptr;
 };
+
+/// Cells with a probability of at least 0.65 are occupied, of at most 0.196 free, others and unseen ones unknown;
+/// `margin` unknown cells all around.
+TrinaryMap make_trinary(const OccupancyGrid& grid, int margin = 4);
 
 }  // namespace phasescan

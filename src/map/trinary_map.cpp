@@ -1,4 +1,4 @@
-#include "phasescan/map/trinary_map.hpp"
+#include "map/occupancy_grid.hpp"
 
 namespace phasescan {
 namespace {

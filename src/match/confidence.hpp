@@ -1,4 +1,4 @@
-/// How likely a pose that fft-mh found is right, from what the search saw.
+/// How likely a pose that the global search found is right, from what the search saw.
 #pragma once
 
 #include <array>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "match/multi_hypothesis.hpp"
+#include "match/global_search.hpp"
 
 namespace phasescan {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "match/multi_hypothesis.hpp"
+#include "match/global_search.hpp"
 
 namespace phasescan {
 

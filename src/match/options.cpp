@@ -5,8 +5,8 @@
 namespace phasescan {
 
 template <>
-std::span<const std::string_view> enum_names<MatchMethod>() {
-  static constexpr std::array<std::string_view, 6> kNames{"icp", "ndt", "fft", "fft-icp1", "fft-icp2", "fft-mh"};
+std::span<const std::string_view> enum_names<RotationSearch>() {
+  static constexpr std::array<std::string_view, 3> kNames{"auto", "sweep", "normals"};
   return kNames;
 }
 

@@ -73,7 +73,6 @@ void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& o
   sample_evenly(work.lengths, length, options.middle_points, work.indices);
   out.middle.fill(out.surface, work.indices);
   out.all.fill(out.surface);
-  if (options.with_missing) work.missing.find(scan, 0.0, deg_to_rad(MissingOptions{}.min_width_deg), out.missing);
   if (options.with_table) out.table.build(out.surface, out.bearings, out.scale_m, options.values);
 }
 

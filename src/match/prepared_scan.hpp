@@ -1,14 +1,13 @@
-/// Everything fft-mh wants to know of one scan, found once: reference and scan are prepared alike.
+/// Everything the global search wants to know of one scan, found once: reference and scan are prepared alike.
 #pragma once
 
 #include <vector>
 
-#include "image/score_table.hpp"
+#include "match/score_table.hpp"
 #include "refine/nearest_grid.hpp"
 #include "refine/point_to_line.hpp"
-#include "rotation/from_normals.hpp"
+#include "match/from_normals.hpp"
 #include "scan/bearing_table.hpp"
-#include "scan/missing.hpp"
 #include "scan/surface.hpp"
 
 namespace phasescan {
@@ -20,7 +19,6 @@ struct PreparedScan {
   NearestGrid nearest;
   ScoreTable table;
   NormalHistogram normals;
-  MissingFeatures missing;   ///< only where asked for
   SurfaceBatch sparse;       ///< hits evenly spaced along the surfaces, for the coarse sweep
   SurfaceBatch middle;       ///< the same, more of them, for refinement and evidence
   SurfaceBatch all;          ///< every hit
@@ -36,8 +34,7 @@ struct PrepareOptions {
   int sparse_points = 64;
   int middle_points = 128;
   double min_empty_run_rad = 0.0873;
-  bool with_table = true;     ///< the coarse table is needed of the reference only
-  bool with_missing = false;  ///< missing-data features as rotation hypotheses
+  bool with_table = true;  ///< the coarse table is needed of the reference only
   bool adaptive_scale = true;
   bool noise_weights = true;  ///< off: every hit gets the mean variance
   ScoreTableValues values;
@@ -48,7 +45,6 @@ struct PrepareWorkspace {
   BearingWorkspace bearings;
   std::vector<int> indices;
   std::vector<float> lengths;
-  MissingFinder missing;
 };
 
 /// @cost about 50 us for 360 beams, linear in beams

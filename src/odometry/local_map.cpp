@@ -31,8 +31,8 @@ void LocalMap::reset(const Pose2& T_world_map, double half_width_m, double cell_
   extent_m_ = 0.0;
   surfels_.clear();
   lone_.clear();
-  small_.clear();
-  small_surface_.clear();
+  free_standing_.clear();
+  free_standing_surface_.clear();
   views_.clear();
   if (table_.empty()) table_.resize(4096);
   std::fill(table_.begin(), table_.end(), Slot{kEmpty, -1});
@@ -46,9 +46,9 @@ void LocalMap::add(const MapPoints& points, const Pose2& T_world_base) {
     const float px = c * points.x[i] - s * points.y[i] + tx, py = s * points.x[i] + c * points.y[i] + ty;
     if (!(std::fabs(px) < limit && std::fabs(py) < limit)) continue;
     const float nx = c * points.nx[i] - s * points.ny[i], ny = s * points.nx[i] + c * points.ny[i];
-    if (points.small[i]) {
-      small_.push_back({px, py, points.x[i], points.y[i], static_cast<int>(views_.size())});
-      small_surface_.push_back({nx, ny, points.variance[i], points.normal_variance[i]});
+    if (points.free_standing[i]) {
+      free_standing_.push_back({px, py, points.x[i], points.y[i], static_cast<int>(views_.size())});
+      free_standing_surface_.push_back({nx, ny, points.variance[i], points.normal_variance[i]});
     } else {
       add_point(px, py, nx, ny, points.variance[i], points.normal_variance[i], 0);
     }
@@ -56,16 +56,16 @@ void LocalMap::add(const MapPoints& points, const Pose2& T_world_base) {
   views_.push_back(T);
 }
 
-void LocalMap::add_small_things() {
-  staying_.find(small_, views_, stays_);
-  for (std::size_t i = 0; i < small_.size(); ++i) {
-    const SmallSurface& s = small_surface_[i];
-    if (stays_[i]) add_point(small_[i].x, small_[i].y, s.nx, s.ny, s.variance, s.normal_variance, 1);
+void LocalMap::add_static_objects() {
+  filter_.find(free_standing_, views_, static_);
+  for (std::size_t i = 0; i < free_standing_.size(); ++i) {
+    const FreeStandingSurface& s = free_standing_surface_[i];
+    if (static_[i]) add_point(free_standing_[i].x, free_standing_[i].y, s.nx, s.ny, s.variance, s.normal_variance, 1);
   }
 }
 
 void LocalMap::add_point(float px, float py, float nx, float ny, float variance, float normal_variance,
-                         std::uint8_t small) {
+                         std::uint8_t free_standing) {
   const auto inverse = static_cast<float>(1.0 / cell_m_);
   const auto u = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(px * inverse)) + (1 << 20));
   const auto v = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(py * inverse)) + (1 << 20));
@@ -80,7 +80,7 @@ void LocalMap::add_point(float px, float py, float nx, float ny, float variance,
     }
     Surfel& s = lone_[static_cast<std::size_t>(alone)];
     s.x += weight * px, s.y += weight * py, s.variance += weight;
-    s.small |= small;
+    s.free_standing |= free_standing;
     if (4 * (surfels_.size() + lone_.size()) > table_.size()) grow_table();
     return;
   }
@@ -93,8 +93,8 @@ void LocalMap::add_point(float px, float py, float nx, float ny, float variance,
   }
   const auto index = static_cast<std::int32_t>(surfels_.size());
   mine = index;
-  surfels_.push_back(
-      {weight * px, weight * py, weight * nx, weight * ny, weight, weight * weight * normal_variance, index, small});
+  surfels_.push_back({weight * px, weight * py, weight * nx, weight * ny, weight, weight * weight * normal_variance,
+                      index, free_standing});
   // Join the ring of the cell.
   std::int32_t& first = slot(cell);
   if (first < 0) {
@@ -124,7 +124,7 @@ void LocalMap::grow_table() {
 }
 
 void LocalMap::finish() {
-  add_small_things();
+  add_static_objects();
   normalise(surfels_, grid_);
   normalise(lone_, lone_grid_);
 }

@@ -6,19 +6,19 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "odometry/map_points.hpp"
-#include "odometry/small_things.hpp"
+#include "odometry/free_standing.hpp"
 #include "refine/nearest_grid.hpp"
 
 namespace phasescan {
 
 /// A piece of surface: the mean of the points that fell into one cell with much the same normal.
 struct Surfel {
-  float x = 0.0F, y = 0.0F;      ///< [m] in the map's own frame
-  float nx = 0.0F, ny = 0.0F;    ///< unit normal, (0, 0) for lone hits
-  float variance = 0.0F;         ///< across the surface [m^2]
-  float normal_variance = 0.0F;  ///< of the normal's direction [rad^2]
-  std::int32_t next = -1;        ///< next surfel of the same cell, in a ring
-  std::uint8_t small = 0;        ///< 1: of a small thing that stays
+  float x = 0.0F, y = 0.0F;        ///< [m] in the map's own frame
+  float nx = 0.0F, ny = 0.0F;      ///< unit normal, (0, 0) for lone hits
+  float variance = 0.0F;           ///< across the surface [m^2]
+  float normal_variance = 0.0F;    ///< of the normal's direction [rad^2]
+  std::int32_t next = -1;          ///< next surfel of the same cell, in a ring
+  std::uint8_t free_standing = 0;  ///< 1: of a static object that stands free
 };
 
 /// Surfels and the grid that finds them. Build: reset, add scans, finish. Bounded by its window, whatever is added.
@@ -28,7 +28,7 @@ class LocalMap {
   /// @param half_width_m  of the window; points outside are left out
   /// @param cell_m        size of a cell; partners are found up to 3 cells away
   void reset(const Pose2& T_world_map, double half_width_m, double cell_m);
-  /// Small things become part of the map once two of its scans show that they stay.
+  /// Free-standing objects become part of the map once two of its scans show that they are static.
   void add(const MapPoints& points, const Pose2& T_world_base);
   /// Merges the points into surfels and builds the grid. @cost O(points + window / 16)
   void finish();
@@ -55,11 +55,11 @@ class LocalMap {
     return best;
   }
 
-  /// Whether what is nearest to a point is a small thing that stays.
-  bool small_thing_at(float px, float py) const {
+  /// Whether what is nearest to a point is a static object that stands free.
+  bool free_standing_at(float px, float py) const {
     const int any = grid_.nearest(px, py), alone = lone_grid_.nearest(px, py);
-    return (any >= 0 && surfels_[static_cast<std::size_t>(any)].small) ||
-           (alone >= 0 && lone_[static_cast<std::size_t>(alone)].small);
+    return (any >= 0 && surfels_[static_cast<std::size_t>(any)].free_standing) ||
+           (alone >= 0 && lone_[static_cast<std::size_t>(alone)].free_standing);
   }
 
   /// The lone hits' surfel nearest to a point, or null.
@@ -75,23 +75,24 @@ class LocalMap {
   };
   void normalise(std::vector<Surfel>& surfels, NearestGrid& grid);
   std::int32_t& slot(std::uint64_t key);
-  void add_point(float px, float py, float nx, float ny, float variance, float normal_variance, std::uint8_t small);
+  void add_point(float px, float py, float nx, float ny, float variance, float normal_variance,
+                 std::uint8_t free_standing);
   void grow_table();
-  void add_small_things();
+  void add_static_objects();
 
   Pose2 T_world_map_;
   double cell_m_ = 0.1, half_width_m_ = 20.0, extent_m_ = 0.0;
   std::vector<Surfel> surfels_;  // x, y, nx, ny hold weighted sums until finish(), variance the sum of weights
   std::vector<Surfel> lone_;
   std::vector<Slot> table_;
-  struct SmallSurface {
+  struct FreeStandingSurface {
     float nx, ny, variance, normal_variance;
   };
-  std::vector<SmallHit> small_;  // wait for finish(), which knows what stays
-  std::vector<SmallSurface> small_surface_;
+  std::vector<FreeStandingHit> free_standing_;  // wait for finish(), which knows what is static
+  std::vector<FreeStandingSurface> free_standing_surface_;
   std::vector<Pose2> views_;
-  StayingThings staying_;
-  std::vector<std::uint8_t> stays_;
+  StaticObjectFilter filter_;
+  std::vector<std::uint8_t> static_;
   std::vector<SurfacePoint> grid_points_;  // where the surfels are, as the grid wants it
   NearestGrid grid_, lone_grid_;
 };

@@ -5,11 +5,12 @@
 #include <limits>
 #include <optional>
 
-#include "odometry/small_things.hpp"
+#include "odometry/free_standing.hpp"
 
 namespace phasescan {
 namespace {
 
+// Hits and the lines through them; sigmas as of cheap lidars.
 constexpr float kLoneSigma = 0.03F;     // [m] of a hit without a line
 constexpr float kGrazingCosine = 0.4F;  // between a beam and the normal of a wall that counts as grazed
 constexpr float kGrazingSigmas = 8.0F;  // of the range noise: shorter than this its line is the scatter of a beam
@@ -51,13 +52,13 @@ std::optional<GrazingLine> grazing_line(const SurfacePoints& surface, std::size_
 
 void MapPoints::clear() {
   for (auto* v : {&x, &y, &nx, &ny, &variance, &normal_variance}) v->clear();
-  small.clear();
+  free_standing.clear();
   with_normal = 0;
 }
 
 void MapPoints::reserve(std::size_t hits) {
   for (auto* v : {&x, &y, &nx, &ny, &variance, &normal_variance}) v->reserve(hits);
-  small.reserve(hits);
+  free_standing.reserve(hits);
 }
 
 void MapPoints::append(const MapPoints& other, std::size_t i) {
@@ -67,7 +68,7 @@ void MapPoints::append(const MapPoints& other, std::size_t i) {
   ny.push_back(other.ny[i]);
   variance.push_back(other.variance[i]);
   normal_variance.push_back(other.normal_variance[i]);
-  small.push_back(other.small[i]);
+  free_standing.push_back(other.free_standing[i]);
   if (!other.lone(i)) ++with_normal;
 }
 
@@ -79,8 +80,8 @@ void to_map_points(const SurfacePoints& surface, const Pose2& T_base_laser, doub
   const auto c = static_cast<float>(std::cos(T_base_laser.theta)), s = static_cast<float>(std::sin(T_base_laser.theta));
   const auto tx = static_cast<float>(T_base_laser.x), ty = static_cast<float>(T_base_laser.y);
   const auto limit = static_cast<float>(max_range_m), spacing = static_cast<float>(surface.spacing);
-  std::vector<std::uint8_t> small;
-  mark_small_things(surface, small);
+  std::vector<std::uint8_t> free_standing;
+  mark_free_standing(surface, free_standing);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     SurfacePoint p = surface[i];
     if (surface.range[i] > limit) continue;
@@ -92,7 +93,7 @@ void to_map_points(const SurfacePoints& surface, const Pose2& T_base_laser, doub
       }
     }
     out.normal_variance.push_back(normal_variance);
-    out.small.push_back(small[i]);
+    out.free_standing.push_back(free_standing[i]);
     if (beams) beams->push_back(surface.beam[i]);
     out.x.push_back(c * p.x - s * p.y + tx);
     out.y.push_back(s * p.x + c * p.y + ty);

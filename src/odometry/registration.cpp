@@ -1,34 +1,43 @@
 #include "odometry/registration.hpp"
 
-#include "odometry/information.hpp"
-
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "odometry/degeneracy.hpp"
+#include "odometry/information.hpp"
+
 namespace phasescan {
 namespace {
 
-// A direction that is seen so much less than the other (of the variances) rests on few surfaces. They must be some
+// Degenerate directions. Chosen by hand on the recorded corridors and on simulated people who walk with the robot.
+// A direction whose variance is so much larger than the other's (their ratio) rests on few surfaces. They must be some
 // pieces, of a cell each, and more than a passer-by has where they contradict what is known of the motion.
 constexpr double kLopsided = 0.35;
 constexpr float kLeastPieces = 3.0F, kPiecesOfPeople = 7.0F, kMostPieces = 12.0F;
 constexpr float kShowing = 0.1F, kFits = 4.0F;  // squares: of a cosine that shows something; of standard deviations
-// The noise of the normals adds `leak` on average; what a match claims beyond that along a bare wall is chance, and
-// only what stands well clear of it is a surface that was seen.
-constexpr double kClearOfLeak = 3.0;
+// The noise of the normals adds so much on average; what a match claims beyond that along a bare wall is chance, and
+// only what stands this many times clear of it is a surface that was seen.
+constexpr double kClearOfNormalNoise = 3.0;
 constexpr double kContradictsPrior = 9.0, kDifferent = 1.0;  // squared Mahalanobis distances
+// The kernel: its width in variances (Geman-McClure), and what the gate adds to a variance, of its square.
+constexpr float kKernelVariances = 6.0F, kGateWidening = 0.04F;
+constexpr float kAlongM = 0.1F;    // [m] along a surface beyond the gate that a partner may lie
+constexpr int kLeastPartners = 5;  // fewer determine nothing
+constexpr double kDamping =
+    1e-4;  // share of the information: holds the pose where neither surfaces nor prior say anything
 
 // One pass over the points at a pose: normal equations with a Geman-McClure kernel as wide as the gate asks.
 struct Pass {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d leak = Eigen::Matrix3d::Zero();  // what noise of the normals adds to H: it sees along bare walls
+  // What noise of the normals adds to H: it seems to see along bare walls.
+  Eigen::Matrix3d normal_noise = Eigen::Matrix3d::Zero();
   int partners = 0;
   double squares = 0.0;
-  double blunting = 1.0;  // mean share of its weight that a point has left under the wide kernel
+  double kernel_efficiency = 1.0;  // mean share of its weight that a point has left under the wide kernel
 };
 
 Eigen::Matrix3d symmetric(const float (&m)[6]) {
@@ -41,8 +50,8 @@ Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, dou
   const auto c = static_cast<float>(std::cos(T.theta)), s = static_cast<float>(std::sin(T.theta));
   const auto tx = static_cast<float>(T.x), ty = static_cast<float>(T.y), gate = static_cast<float>(gate_m);
   const auto cosine = static_cast<float>(min_cosine);
-  const float widen = 0.04F * gate * gate;
-  float h[6] = {}, g[3] = {}, leak[6] = {}, squares = 0.0F, blunted = 0.0F;
+  const float widen = kGateWidening * gate * gate;
+  float h[6] = {}, g[3] = {}, normal_noise[6] = {}, squares = 0.0F, efficiency = 0.0F;
   Pass pass;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float rx = c * points.x[i] - s * points.y[i], ry = s * points.x[i] + c * points.y[i];
@@ -53,7 +62,7 @@ Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, dou
       const float ex = rx + tx - lone->x, ey = ry + ty - lone->y, d2 = ex * ex + ey * ey;
       if (d2 > gate * gate) continue;
       const float variance = points.variance[i] + lone->variance + widen;
-      const float kernel = 1.0F / (1.0F + d2 / (6.0F * variance));
+      const float kernel = 1.0F / (1.0F + d2 / (kKernelVariances * variance));
       const float w = kernel * kernel / variance;
       h[0] += w;
       h[2] -= w * ry;
@@ -70,10 +79,10 @@ Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, dou
     const float dx = rx + tx - surfel->x, dy = ry + ty - surfel->y;
     const float e = dx * surfel->nx + dy * surfel->ny;
     const float along = dy * surfel->nx - dx * surfel->ny;
-    if (std::fabs(e) > gate || std::fabs(along) > gate + 0.1F) continue;
+    if (std::fabs(e) > gate || std::fabs(along) > gate + kAlongM) continue;
     const float sharp = points.variance[i] + surfel->variance, variance = sharp + widen;
-    blunted += sharp / variance;
-    const float kernel = 1.0F / (1.0F + e * e / (6.0F * variance));
+    efficiency += sharp / variance;
+    const float kernel = 1.0F / (1.0F + e * e / (kKernelVariances * variance));
     const float w = kernel * kernel / variance;
     const float jt = rx * surfel->ny - ry * surfel->nx;
     h[0] += w * surfel->nx * surfel->nx;
@@ -87,20 +96,20 @@ Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, dou
     g[2] += w * jt * e;
     // The tangent in place of the normal.
     const float wl = w * surfel->normal_variance, lt = -rx * surfel->nx - ry * surfel->ny;
-    leak[0] += wl * surfel->ny * surfel->ny;
-    leak[1] -= wl * surfel->ny * surfel->nx;
-    leak[2] += wl * surfel->ny * lt;
-    leak[3] += wl * surfel->nx * surfel->nx;
-    leak[4] -= wl * surfel->nx * lt;
-    leak[5] += wl * lt * lt;
+    normal_noise[0] += wl * surfel->ny * surfel->ny;
+    normal_noise[1] -= wl * surfel->ny * surfel->nx;
+    normal_noise[2] += wl * surfel->ny * lt;
+    normal_noise[3] += wl * surfel->nx * surfel->nx;
+    normal_noise[4] -= wl * surfel->nx * lt;
+    normal_noise[5] += wl * lt * lt;
     squares += e * e;
     ++pass.partners;
   }
   pass.H = symmetric(h);
-  pass.leak = symmetric(leak);
+  pass.normal_noise = symmetric(normal_noise);
   pass.g = Eigen::Vector3f(g[0], g[1], g[2]).cast<double>();
   pass.squares = static_cast<double>(squares);
-  if (pass.partners > 0) pass.blunting = static_cast<double>(blunted) / pass.partners;
+  if (pass.partners > 0) pass.kernel_efficiency = static_cast<double>(efficiency) / pass.partners;
   return pass;
 }
 
@@ -113,27 +122,28 @@ Eigen::Vector3d match_gradient_step(const Pass& pass) {
   return step.allFinite() ? step : Eigen::Vector3d::Zero();
 }
 
-/// What is held against a match: how many times the noise of the normals is taken out, and a direction without support.
-struct Distrust {
-  double leak_times = 1.0;
-  std::optional<Eigen::Vector3d> blind;
+/// What a match does not determine: how many times the noise of the normals is taken out, and a direction without
+/// support.
+struct Degeneracy {
+  double normal_noise_times = 1.0;
+  std::optional<Eigen::Vector3d> unobservable;
 };
 
 /// What the match sees.
-Eigen::Matrix3d seen_by(const Pass& pass, const Distrust& distrust) {
-  Eigen::Matrix3d H = positive_part(pass.H - distrust.leak_times * pass.leak);
-  if (!distrust.blind) return H;
-  const Eigen::Vector3d along = H * *distrust.blind;
-  const double all = distrust.blind->dot(along);
+Eigen::Matrix3d seen_by(const Pass& pass, const Degeneracy& degeneracy) {
+  Eigen::Matrix3d H = positive_part(pass.H - degeneracy.normal_noise_times * pass.normal_noise);
+  if (!degeneracy.unobservable) return H;
+  const Eigen::Vector3d along = H * *degeneracy.unobservable;
+  const double all = degeneracy.unobservable->dot(along);
   if (all > 0.0) H -= along * along.transpose() / all;
   return positive_part(H);
 }
 
 /// The direction of (x, y, theta) that is seen least; empty where the others are not seen much better.
-std::optional<Eigen::Vector3d> weak_direction(const Pass& pass) {
-  const LeastSeen least = least_seen(seen_by(pass, {}));
-  if (least.variance_ratio > kLopsided) return std::nullopt;
-  return least.direction;
+std::optional<Eigen::Vector3d> degenerate_direction(const Pass& pass) {
+  const WeakDirection weakest = weakest_direction(seen_by(pass, {}));
+  if (weakest.variance_ratio > kLopsided) return std::nullopt;
+  return weakest.direction;
 }
 
 /// What shows the position in a direction.
@@ -159,11 +169,12 @@ Evidence evidence_of(const LocalMap& map, const MapPoints& points, const Pose2& 
     if (std::fabs(e) > gate) continue;
     const float across = surfel->nx * d.x() + surfel->ny * d.y() + (rx * surfel->ny - ry * surfel->nx) * d.z();
     const float along = surfel->ny * d.x() - surfel->nx * d.y() + (rx * surfel->nx + ry * surfel->ny) * d.z();
-    const float clear = across * across - static_cast<float>(kClearOfLeak) * surfel->normal_variance * along * along;
+    const float clear =
+        across * across - static_cast<float>(kClearOfNormalNoise) * surfel->normal_variance * along * along;
     if (clear <= 0.0F) continue;
     const auto index = static_cast<std::size_t>(surfel - map.surfels().data());
     const float sharp = points.variance[i] + surfel->variance;
-    shown[index] += clear / (sharp + 0.04F * gate * gate);
+    shown[index] += clear / (sharp + kGateWidening * gate * gate);
     if (clear > kShowing && e * e < kFits * sharp) fits[index] = 1;
   }
   Evidence evidence;
@@ -183,30 +194,29 @@ struct Descent {
 
 /// Steps until they are small.
 void descend(const LocalMap& map, const MapPoints& points, const RegistrationOptions& options,
-             const std::optional<PosePrior>& prior, const Distrust& distrust, Descent& at) {
+             const std::optional<PosePrior>& prior, const Degeneracy& degeneracy, Descent& at) {
   Registration& result = at.result;
   for (int step_count = 1; step_count <= options.max_iterations; ++step_count) {
     ++result.iterations;
     at.pass = linearise(map, points, result.T_map_base, at.gate_m, options.min_normal_cosine);
-    if (at.pass.partners < 5) return;
+    if (at.pass.partners < kLeastPartners) return;
     Eigen::Matrix3d H = at.pass.H;
     Eigen::Vector3d g = at.pass.g;
     if (prior) {
-      // Along a corridor the normals' noise alone would hold the pose where it is: there the prior has the word.
-      H = seen_by(at.pass, distrust);
+      // Along a corridor the noise of the normals alone would hold the pose where it is: there the prior decides.
+      H = seen_by(at.pass, degeneracy);
       g = H * match_gradient_step(at.pass);
       const Eigen::Vector3d off(result.T_map_base.x - prior->T_map_base.x, result.T_map_base.y - prior->T_map_base.y,
                                 wrap_angle(result.T_map_base.theta - prior->T_map_base.theta));
-      // While the kernel is wide the match speaks softly, and so does the prior: else it would settle the matter first.
-      const Eigen::Matrix3d P = at.pass.blunting * prior->information;
+      // While the kernel is wide the match weighs less; the prior as well, else it would decide before the match does.
+      const Eigen::Matrix3d P = at.pass.kernel_efficiency * prior->information;
       H += P;
       g += P * off;
     }
-    // A little damping holds the pose where neither surfaces nor prior say anything.
     const double scale = 0.5 * (H(0, 0) + H(1, 1));
-    H(0, 0) += 1e-4 * scale;
-    H(1, 1) += 1e-4 * scale;
-    H(2, 2) += 1e-4 * H(2, 2) + 1e-9;
+    H(0, 0) += kDamping * scale;
+    H(1, 1) += kDamping * scale;
+    H(2, 2) += kDamping * H(2, 2) + 1e-9;
     const Eigen::Vector3d step = -H.ldlt().solve(g);
     if (!step.allFinite()) return;
     result.T_map_base.x += step.x();
@@ -226,37 +236,37 @@ void descend(const LocalMap& map, const MapPoints& points, const RegistrationOpt
 /// Looks at the direction that is seen least. What shows it must stand clear of the noise of the normals, and be more
 /// than a few small pieces of surface: somebody who walks along a corridor with the robot, or the roughness of one spot
 /// near the sensor. What is known of the motion is the other explanation of such a scan.
-void doubt_weak_direction(const LocalMap& map, const MapPoints& points, const RegistrationOptions& options,
-                          const std::optional<PosePrior>& prior, Distrust& distrust, Descent& at) {
-  const std::optional<Eigen::Vector3d> u = weak_direction(at.pass);
+void check_degenerate_direction(const LocalMap& map, const MapPoints& points, const RegistrationOptions& options,
+                                const std::optional<PosePrior>& prior, Degeneracy& degeneracy, Descent& at) {
+  const std::optional<Eigen::Vector3d> u = degenerate_direction(at.pass);
   if (!u) return;
   const auto evidence = [&](const Pose2& T) {
     return evidence_of(map, points, T, *u, at.gate_m, options.min_normal_cosine);
   };
-  distrust.leak_times = kClearOfLeak;
+  degeneracy.normal_noise_times = kClearOfNormalNoise;
   const Evidence here = evidence(at.result.T_map_base);
-  if (here.pieces < kLeastPieces || (here.pieces < kMostPieces && here.fitting == 0)) distrust.blind = u;
+  if (here.pieces < kLeastPieces || (here.pieces < kMostPieces && here.fitting == 0)) degeneracy.unobservable = u;
   if (!prior) return;
-  if (!distrust.blind) {
+  if (!degeneracy.unobservable) {
     const Pose2& T = at.result.T_map_base;
     const double off = u->head<2>().dot(Eigen::Vector2d(T.x - prior->T_map_base.x, T.y - prior->T_map_base.y));
     const double contradiction = off * off * kMatchTrust * u->dot(prior->information * *u);
     if (contradiction > kContradictsPrior && here.pieces < kPiecesOfPeople) {
-      distrust.blind = u;
+      degeneracy.unobservable = u;
     } else if (contradiction > (here.pieces < kMostPieces ? kDifferent : kContradictsPrior)) {
       Descent there = at;
-      const Distrust blind{kClearOfLeak, u};
-      descend(map, points, options, prior, blind, there);
+      const Degeneracy unobservable{kClearOfNormalNoise, u};
+      descend(map, points, options, prior, unobservable, there);
       const int fitting = evidence(there.result.T_map_base).fitting;
-      // Between equals what is known of the motion has the word.
+      // Between equals what is known of the motion decides.
       if (fitting > here.fitting || (fitting == here.fitting && contradiction > kContradictsPrior)) {
-        distrust = blind;
+        degeneracy = unobservable;
         at = there;
         return;
       }
     }
   }
-  descend(map, points, options, prior, distrust, at);
+  descend(map, points, options, prior, degeneracy, at);
 }
 
 }  // namespace
@@ -267,14 +277,14 @@ Registration register_points(const LocalMap& map, const MapPoints& points, const
   at.result.T_map_base = guess;
   if (map.empty() || points.with_normal == 0) return at.result;
   at.gate_m = options.gate_start_m;
-  Distrust distrust;
-  descend(map, points, options, prior, distrust, at);
+  Degeneracy degeneracy;
+  descend(map, points, options, prior, degeneracy, at);
   Registration& result = at.result;
-  if (at.pass.partners >= 5 && result.T_map_base.is_finite()) {
-    doubt_weak_direction(map, points, options, prior, distrust, at);
+  if (at.pass.partners >= kLeastPartners && result.T_map_base.is_finite()) {
+    check_degenerate_direction(map, points, options, prior, degeneracy, at);
   }
   const Pass& pass = at.pass;
-  result.information = seen_by(pass, distrust);
+  result.information = seen_by(pass, degeneracy);
   result.overlap =
       static_cast<double>(pass.partners) / static_cast<double>(std::max<std::size_t>(points.with_normal, 1));
   result.residual_m = pass.partners > 0 ? std::sqrt(pass.squares / pass.partners) : 0.0;

@@ -6,9 +6,13 @@
 namespace phasescan {
 namespace {
 
-constexpr std::size_t kRing = 31;
+constexpr std::size_t kRing = 31;    // steps that the usual period is the median of
 constexpr double kMostJitter = 0.3;  // of a period: median distance of the steps from their median
+// More time than both of these without a scan is a gap.
 constexpr double kGapPeriods = 15.0, kGapSeconds = 2.0;
+constexpr double kMostPeriods = 3.0;  // that a motion is carried on over
+// [s], [periods] A turn that lasts longer is a wrong header.
+constexpr double kMostTurnS = 2.0, kMostTurnPeriods = 1.2;
 
 double median_of(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -20,39 +24,39 @@ double median_of(std::vector<double>& values) {
 
 ScanTiming ScanClock::add(const Scan& scan) {
   ScanTiming timing;
-  if (last_) {
-    const double step = stamp_to_seconds(scan.stamp - *last_);
+  if (last) {
+    const double step = stamp_to_seconds(scan.stamp - *last);
     if (step < 0.0) {
-      ++counts_.backwards;
+      ++backwards;
     } else if (step == 0.0) {
-      ++counts_.repeated;
+      ++repeated;
     } else {
-      if (period_s_ > 0.0) {
-        if (step > kGapSeconds && step > kGapPeriods * period_s_) {
+      if (period_s > 0.0) {
+        if (step > kGapSeconds && step > kGapPeriods * period_s) {
           timing.gap = true;
-          ++counts_.gaps;
+          ++gaps;
         }
         // Stamps that jitter by much of a period tell when messages were written, not when scans were taken.
-        if (jitter_s_ < kMostJitter * period_s_) timing.periods = std::clamp(std::round(step / period_s_), 1.0, 3.0);
+        if (jitter_s < kMostJitter * period_s)
+          timing.periods = std::clamp(std::round(step / period_s), 1.0, kMostPeriods);
       }
-      if (steps_s_.size() < kRing) {
-        steps_s_.push_back(step);
+      if (steps_s.size() < kRing) {
+        steps_s.push_back(step);
       } else {
-        steps_s_[next_] = step;
+        steps_s[next] = step;
       }
-      next_ = (next_ + 1) % kRing;
-      std::vector<double> steps = steps_s_;
-      period_s_ = median_of(steps);
-      for (double& s : steps) s = std::abs(s - period_s_);
-      jitter_s_ = median_of(steps);
+      next = (next + 1) % kRing;
+      std::vector<double> steps = steps_s;
+      period_s = median_of(steps);
+      for (double& s : steps) s = std::abs(s - period_s);
+      jitter_s = median_of(steps);
     }
   }
-  last_ = scan.stamp;
-  timing.period_s = period_s_;
+  last = scan.stamp;
+  timing.period_s = period_s;
   if (scan.size() > 1) {
     const double duration = std::abs(scan.time_increment) * static_cast<double>(scan.size() - 1);
-    // A turn that lasts longer than the time between turns is a wrong header.
-    if (std::isfinite(duration) && (period_s_ == 0.0 ? duration < 2.0 : duration < 1.2 * period_s_))
+    if (std::isfinite(duration) && (period_s == 0.0 ? duration < kMostTurnS : duration < kMostTurnPeriods * period_s))
       timing.duration_s = duration;
   }
   return timing;

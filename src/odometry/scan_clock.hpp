@@ -17,21 +17,27 @@ struct ScanTiming {
   bool gap = false;         ///< much more time has passed than tracking can bridge
 };
 
-class ScanClock {
- public:
+/// What stamps have been like. Plain values.
+struct ScanClock {
+  std::optional<Stamp> last;
+  std::vector<double> steps_s;  ///< the last positive steps, a ring
+  std::size_t next = 0;         ///< where the ring goes on
+  double period_s = 0.0, jitter_s = 0.0;
+  std::size_t backwards = 0, repeated = 0, gaps = 0;  ///< how often each came
+
   ScanTiming add(const Scan& scan);
 
-  struct Counts {
-    std::size_t backwards = 0, repeated = 0, gaps = 0;
-  };
-  const Counts& counts() const { return counts_; }
-
- private:
-  std::optional<Stamp> last_;
-  std::vector<double> steps_s_;  // the last positive steps, a ring
-  std::size_t next_ = 0;
-  double period_s_ = 0.0, jitter_s_ = 0.0;
-  Counts counts_;
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("last", self.last);
+    v("steps_s", self.steps_s);
+    v("next", self.next);
+    v("period_s", self.period_s);
+    v("jitter_s", self.jitter_s);
+    v("backwards", self.backwards);
+    v("repeated", self.repeated);
+    v("gaps", self.gaps);
+  }
 };
 
 }  // namespace phasescan

@@ -66,8 +66,8 @@ std::string format_match(std::string_view id, MatchMethod method, const MatchRes
     append_finite(out, other.confidence);
     out += '}';
   }
-  out.append("], \"rotation_source\": \"").append(to_string(result.rotation_source)).append("\"");
-  if (times) append_times(out, result.ms);
+  out.append("], \"rotation_source\": \"").append(to_string(result.diagnostics.rotation_source)).append("\"");
+  if (times) append_times(out, result.diagnostics.ms);
   return out + '}';
 }
 

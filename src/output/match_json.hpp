@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "phasescan/match/options.hpp"
+#include "methods/any_options.hpp"
 #include "phasescan/match/result.hpp"
 
 namespace phasescan {

@@ -49,7 +49,7 @@ const MethodLook* find_look(std::string_view method) {
                                                      {"fft", palette::kGreen, Marker::kSquare},
                                                      {"fft-icp1", palette::kPurple, Marker::kDiamond},
                                                      {"fft-icp2", palette::kVermillion, Marker::kTriangleDown},
-                                                     {"fft-mh", palette::kBlack, Marker::kCross}}};
+                                                     {"global", palette::kBlack, Marker::kCross}}};
   const auto found =
       std::find_if(kLooks.begin(), kLooks.end(), [&](const MethodLook& look) { return look.method == method; });
   return found == kLooks.end() ? nullptr : &*found;

@@ -13,7 +13,7 @@ inline constexpr double kMostViolation = 0.04;
 /// scan looked through: in flats 98 % of the right answers have fewer than 3 % of them, 98 % of the wrong more than 6
 /// %.
 inline bool is_same_place(const MatchResult& match) {
-  return match.usable && match.violation <= kMostViolation;
+  return match.usable && match.diagnostics.violation <= kMostViolation;
 }
 
 }  // namespace phasescan

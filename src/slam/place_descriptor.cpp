@@ -6,15 +6,13 @@
 #include <vector>
 
 #include "phasescan/core/angle.hpp"
-#include "image/rasterize.hpp"
-#include "scan/points.hpp"
-#include "spectrum/fft.hpp"
 #include "slam/place_projection.hpp"
+#include "slam/place_spectrum.hpp"
 
 namespace phasescan {
 namespace {
 
-constexpr int kSize = 128;
+constexpr int kSize = PlaceSpectrum::kSize;
 constexpr double kReachM = 6.0, kTaperM = 3.0;
 constexpr float kLeastTurn = 0.0131F;                     // [rad], sine of the least angle between hits that count
 constexpr std::size_t kAngles = 64;                       // samples of half a ring; the other half repeats it
@@ -23,13 +21,8 @@ constexpr double kLeastRadius = 0.03, kMostRadius = 0.5;  // of the Nyquist freq
 }  // namespace
 
 struct PlaceDescriber::Impl {
-  Rasterizer rasterizer;
-  RealFft fft = RealFft::image(kSize, kSize);
-  Image image;
-  ComplexBuffer spectrum;
-  ScanPoints points;
+  PlaceSpectrum spectrum;
   std::vector<float> taper;               // of each pixel
-  std::vector<float> root;                // sqrt(|F|), as the spectrum lies
   std::vector<float> sample_u, sample_v;  // where rings are read, in cells of the half spectrum
   // cos and sin of 2 pi h a / kAngles: of each angle first all cosines, then all sines.
   std::array<std::array<float, 2 * kPlaceHarmonics>, kAngles> turns{};
@@ -60,9 +53,11 @@ struct PlaceDescriber::Impl {
     }
   }
 
-  /// Takes the hits that count into `points`.
-  void select(std::span<const float> x, std::span<const float> y) {
-    points.clear();
+  /// Draws the pixels that hits which count fall into, tapered. False without a hit.
+  bool draw(std::span<const float> x, std::span<const float> y) {
+    constexpr auto pixels_per_m = static_cast<float>(kSize / (2.0 * kReachM));
+    bool any = false;
+    spectrum.clear();
     float last_x = 0.0F, last_y = 0.0F, last_range = 0.0F;
     for (std::size_t i = 0; i < x.size(); ++i) {
       const float range = std::sqrt(x[i] * x[i] + y[i] * y[i]);
@@ -71,15 +66,17 @@ struct PlaceDescriber::Impl {
       const float sine = std::abs(x[i] * last_y - y[i] * last_x);
       if (ahead && sine < kLeastTurn * range * last_range) continue;
       last_x = x[i], last_y = y[i], last_range = range;
-      points.x.push_back(x[i]);
-      points.y.push_back(y[i]);
-      points.range.push_back(range);
-      points.beam.push_back(static_cast<int>(i));
+      any = true;
+      const float col = pixels_per_m * x[i] + 0.5F * kSize, row = pixels_per_m * y[i] + 0.5F * kSize;
+      if (!(col >= 0.0F && row >= 0.0F && col < kSize && row < kSize)) continue;
+      const auto r = static_cast<std::size_t>(row), c = static_cast<std::size_t>(col);
+      spectrum.pixel(r, c) = taper[r * kSize + c];
     }
+    return any;
   }
 
   /// sqrt(|F|), bilinear between cells; v wraps, u is in [0, kSize / 2].
-  float root_at(float u, float v) const {
+  static float root_at(const std::vector<float>& root, float u, float v) {
     const int u0 = static_cast<int>(std::floor(u)), v0 = static_cast<int>(std::floor(v));
     const float fu = u - static_cast<float>(u0), fv = v - static_cast<float>(v0);
     const auto cell = [&](int cu, int cv) {
@@ -99,21 +96,13 @@ PlaceDescriber::PlaceDescriber(PlaceDescriber&&) noexcept = default;
 bool PlaceDescriber::features(std::span<const float> x, std::span<const float> y, PlaceFeatures& out) {
   out.fill({});
   Impl& m = *impl_;
-  m.select(x, y);
-  if (m.points.size() == 0) return false;
-  m.rasterizer.draw(m.points, 0.0, ImageGrid{kSize, kReachM}, m.image);
-  for (std::size_t i = 0; i < m.taper.size(); ++i) m.image.pixels()[i] *= m.taper[i];
-  m.fft.forward(m.image.pixels(), m.spectrum);
-  m.root.resize(m.spectrum.size());
-  for (std::size_t i = 0; i < m.root.size(); ++i) {
-    const float re = m.spectrum[i].real(), im = m.spectrum[i].imag();
-    m.root[i] = std::sqrt(std::sqrt(re * re + im * im));
-  }
+  if (!m.draw(x, y)) return false;
+  const std::vector<float>& root = m.spectrum.root_magnitudes();
   float sum = 0.0F;
   for (std::size_t r = 0; r < kPlaceRings; ++r) {
     std::array<float, 2 * kPlaceHarmonics> parts{};
     for (std::size_t a = 0; a < kAngles; ++a) {
-      const float value = m.root_at(m.sample_u[r * kAngles + a], m.sample_v[r * kAngles + a]);
+      const float value = Impl::root_at(root, m.sample_u[r * kAngles + a], m.sample_v[r * kAngles + a]);
       for (std::size_t k = 0; k < parts.size(); ++k) parts[k] += value * m.turns[a][k];
     }
     for (std::size_t h = 0; h < kPlaceHarmonics; ++h) {

@@ -25,7 +25,7 @@ struct Slam::Worker {
 Slam::Slam(const SlamOptions& options, int threads)
     : options_(options),
       threads_(threads),
-      odometry_(options.odometry),
+      tracker_(options.odometry),
       backend_(std::make_unique<Backend>(options)),
       worker_(std::make_unique<Worker>()) {
   options_.validate();
@@ -40,54 +40,56 @@ const Backend& Slam::backend() const {
   return *backend_;
 }
 
-OdometryStep Slam::add(const RangeMeasurement& measurement) {
+TrackerStep Slam::add(const RangeMeasurement& measurement) {
   const Scan& scan = measurement.scan;
   backend_cpu_s_ = 0.0;
-  const OdometryStep step = odometry_.add(measurement);
-  if (step.T_odom_first && !batch_.empty()) {
-    Keyframe& first = batch_.front();
-    first.T_mid_stamp = step.T_odom_first->inverse() * (first.T_odom_base * first.T_mid_stamp);
-    first.T_odom_base = *step.T_odom_first;
-    first.twist = step.twist;  // near enough: what unbent its points
-    const Pose2 T_keyframe_stamp = step.T_odom_first->inverse();
-    for (ScanRecord& r : records_) {
-      if (r.keyframe < 0) continue;
-      r.x = static_cast<float>(T_keyframe_stamp.x);
-      r.y = static_cast<float>(T_keyframe_stamp.y);
-      r.theta = static_cast<float>(T_keyframe_stamp.theta);
-    }
-    T_odom_keyframe_ = *step.T_odom_first;
-  }
-  if (step.is_keyframe) {
-    Keyframe keyframe;
-    keyframe.points = odometry_.last_points();
-    keyframe.T_odom_base = step.T_odom_mid;
-    keyframe.information = step.information;
-    keyframe.new_segment = step.new_segment;
-    if (step.new_segment) breaks_.push_back(keyframes_);
-    keyframe.scan = static_cast<std::int64_t>(records_.size());
-    keyframe.stored = store_.size();
-    keyframe.laser = measurement.laser;
-    keyframe.T_base_laser = measurement.T_base_laser;
-    if (options_.slam.bounded_memory) keyframe.own_scan = std::make_shared<const Scan>(scan);
-    keyframe.twist = step.twist;
-    keyframe.T_mid_stamp = step.T_odom_mid.inverse() * step.T_odom_stamp;
-    const MapPoints& points = *keyframe.points;
-    for (std::size_t i = 0; i < points.size(); ++i) keyframe.centre += Eigen::Vector2d(points.x[i], points.y[i]);
-    if (points.size() > 0) keyframe.centre /= static_cast<double>(points.size());
+  TrackerStep step = tracker_.add(measurement);
+  if (step.keyframe) {
+    if (step.diagnostics.new_segment) breaks_.push_back(keyframes_);
+    std::shared_ptr<const Scan> own;
+    if (options_.slam.bounded_memory) own = std::make_shared<const Scan>(scan);
+    keyframe_scans_.push_back({static_cast<std::int64_t>(records_.size()), store_.size(), std::move(own)});
     T_odom_keyframe_ = step.T_odom_mid;
     ++keyframes_;
-    batch_.push_back(std::move(keyframe));
   }
+  take(std::move(step.keyframes));
   const Pose2 relative = T_odom_keyframe_.inverse() * step.T_odom_stamp;
   records_.push_back({scan.stamp, keyframes_ - 1, static_cast<float>(relative.x), static_cast<float>(relative.y),
                       static_cast<float>(relative.theta)});
-  if (!options_.slam.bounded_memory && (step.is_keyframe || options_.slam.polish))
+  if (!options_.slam.bounded_memory && (step.keyframe || options_.slam.polish))
     store_.add(scan, measurement.T_base_laser);
-  // The first keyframe waits for the next scan, which may still unbend it.
-  const bool may_change = step.is_keyframe && keyframes_ == 1;
-  if (!may_change && batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
+  if (batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
   return step;
+}
+
+void Slam::take(std::vector<TrackedKeyframe> keyframes) {
+  for (TrackedKeyframe& tracked : keyframes) {
+    Keyframe keyframe;
+    keyframe.points = std::move(tracked.points);
+    keyframe.T_odom_base = tracked.T_odom_base;
+    keyframe.information = tracked.information;
+    keyframe.new_segment = tracked.new_segment;
+    keyframe.laser = std::move(tracked.laser);
+    keyframe.T_base_laser = tracked.T_base_laser;
+    keyframe.twist = tracked.twist;
+    keyframe.T_mid_stamp = tracked.T_mid_stamp;
+    keyframe.scan = keyframe_scans_.front().scan;
+    keyframe.stored = keyframe_scans_.front().stored;
+    keyframe.own_scan = std::move(keyframe_scans_.front().own);
+    keyframe_scans_.pop_front();
+    const MapPoints& points = *keyframe.points;
+    for (std::size_t i = 0; i < points.size(); ++i) keyframe.centre += Eigen::Vector2d(points.x[i], points.y[i]);
+    if (points.size() > 0) keyframe.centre /= static_cast<double>(points.size());
+    // The first one comes with the second scan, and stands elsewhere than its own scan's answer said: it was deskewed.
+    T_odom_keyframe_ = keyframe.T_odom_base;
+    for (auto r = records_.begin() + std::min<std::int64_t>(keyframe.scan, std::ssize(records_)); r != records_.end();
+         ++r) {
+      r->x = static_cast<float>(keyframe.T_mid_stamp.x);
+      r->y = static_cast<float>(keyframe.T_mid_stamp.y);
+      r->theta = static_cast<float>(keyframe.T_mid_stamp.theta);
+    }
+    batch_.push_back(std::move(keyframe));
+  }
 }
 
 void Slam::repeat(const RangeMeasurement& measurement) {
@@ -112,6 +114,7 @@ void Slam::hand_over() {
 }
 
 void Slam::finish() {
+  take(tracker_.finish());
   if (!batch_.empty()) hand_over();
   worker_->get();
   backend_->finish();

@@ -28,7 +28,7 @@ TEST(BenchCommand, SimulatedPairsGiveTablesAndFiguresWithTheSameBytesForAnyThrea
   for (const char* threads : {"1", "2"}) {
     const std::string out = folder / threads;
     const CommandResult result = run_command({"bench", "--sim", "bench-sim", "--count", "40", "--seed", "5", "--method",
-                                              "icp,fft-icp2,fft-mh", "--no-times", "--threads", threads, "--out", out});
+                                              "icp,fft-icp2,global", "--no-times", "--threads", threads, "--out", out});
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_EQ(result.out, "");
     EXPECT_EQ(result.err, "");
@@ -42,25 +42,26 @@ TEST(BenchCommand, SimulatedPairsGiveTablesAndFiguresWithTheSameBytesForAnyThrea
   const auto json = nlohmann::json::parse(slurp(folder / "1/results.json"));
   EXPECT_EQ(json.at("pairs"), 40);
   EXPECT_EQ(json.at("rows").size(), 5u * 4u * 3u);
-  EXPECT_TRUE(json.at("options").contains("fft-mh"));
+  EXPECT_TRUE(json.at("options").contains("global"));
   EXPECT_FALSE(json.at("rows").at(0).contains("ms"));
 }
 
 TEST(BenchCommand, VariantsAreColumnsAndAWrongOneIsNamed) {
   const TempFolder folder;
-  const CommandResult result = run_command(
-      {"bench", "--sim", "bench-sim", "--count", "10", "--method", "fft-mh", "--variant", "no twins: mh.twins=false",
-       "--variant", "blind: mh.free_space=false, mh.missing_data=false", "--out", folder / "out"});
+  const CommandResult result =
+      run_command({"bench", "--sim", "bench-sim", "--count", "10", "--method", "global", "--variant",
+                   "no twins: global.twins=false", "--variant",
+                   "blind: global.free_space=false, global.missing_data=false", "--out", folder / "out"});
   ASSERT_EQ(result.code, 0) << result.err;
   const auto json = nlohmann::json::parse(slurp(folder / "out/results.json"));
-  EXPECT_EQ(json.at("options").at("no twins").at("mh").at("twins"), false);
-  EXPECT_EQ(json.at("options").at("blind").at("mh").at("twins"), true);
+  EXPECT_EQ(json.at("options").at("no twins").at("global").at("twins"), false);
+  EXPECT_EQ(json.at("options").at("blind").at("global").at("twins"), true);
   EXPECT_EQ(json.at("totals").back().at("method"), "blind");
   EXPECT_TRUE(json.at("rows").at(0).at("weak").contains("across_below_0_1_m"));
   const CommandResult wrong =
-      run_command({"bench", "--sim", "bench-sim", "--variant", "x: mh.twin=false", "--out", folder / "none"});
+      run_command({"bench", "--sim", "bench-sim", "--variant", "x: global.twin=false", "--out", folder / "none"});
   EXPECT_EQ(wrong.code, 2);
-  EXPECT_NE(wrong.err.find("no option mh.twin"), std::string::npos) << wrong.err;
+  EXPECT_NE(wrong.err.find("no option global.twin"), std::string::npos) << wrong.err;
 }
 
 TEST(BenchCommand, FiguresOfAnEarlierRunDoNotStandBesideTheResults) {
@@ -71,7 +72,7 @@ TEST(BenchCommand, FiguresOfAnEarlierRunDoNotStandBesideTheResults) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_command(arguments);
   };
-  ASSERT_EQ(bench("fft-mh", {}).code, 0);
+  ASSERT_EQ(bench("global", {}).code, 0);
   EXPECT_TRUE(std::filesystem::exists(folder / "out/time.svg"));
   EXPECT_TRUE(std::filesystem::exists(folder / "out/reliability.svg"));
   folder.put("out/mine.svg", "of the user");
@@ -112,7 +113,7 @@ TEST(BenchCommand, TheConfidenceIsFittedOnWhatFeaturesWrites) {
   const TempFolder folder;
   for (const char* seed : {"1", "2"}) {
     const CommandResult result =
-        run_command({"bench", "--sim", "bench-honesty", "--count", "300", "--seed", seed, "--method", "fft-mh",
+        run_command({"bench", "--sim", "bench-honesty", "--count", "300", "--seed", seed, "--method", "global",
                      "--features", folder / (std::string(seed) + ".csv"), "--out", folder / "out"});
     ASSERT_EQ(result.code, 0) << result.err;
   }

@@ -124,7 +124,7 @@ TEST(MatchCommand, AScanOfALogIsNamedByItsNumber) {
 TEST(MatchCommand, AnAnswerForEachPairInOrderAndTheSameBytesForAnyNumberOfThreads) {
   const test::TempFolder folder;
   const std::string pairs = folder.put("p.jsonl", pairs_text(50));
-  for (const char* method : {"icp", "fft-icp2", "fft-mh"}) {
+  for (const char* method : {"icp", "fft-icp2", "global"}) {
     const auto one = run_command({"match", "--pairs", pairs, "--method", method, "--no-times"});
     ASSERT_EQ(one.code, 0) << one.err;
     const auto answers = json_lines(one.out);
@@ -162,7 +162,7 @@ TEST(MatchCommand, ABadLineIsAnsweredInItsPlaceAndTheRestGoesOn) {
 TEST(MatchCommand, ACovarianceIsSymmetricToTheLastBit) {
   const test::TempFolder folder;
   const std::string pairs = folder.put("p.jsonl", pairs_text(30));
-  for (const char* method : {"icp", "ndt", "fft", "fft-icp1", "fft-icp2", "fft-mh"}) {
+  for (const char* method : {"icp", "ndt", "fft", "fft-icp1", "fft-icp2", "global"}) {
     for (const json& answer : json_lines(run_command({"match", "--pairs", pairs, "--method", method}).out)) {
       const json& c = answer.at("covariance");
       EXPECT_EQ(c.at(1), c.at(3)) << method;
@@ -184,7 +184,7 @@ TEST(MatchCommand, LegalButHopelessScansAreNotUsableAndHoldNoNan) {
   const std::vector<std::string> hopeless{
       scan("none", ""),        scan("missing", "0,0,0,null,NaN,-1,7,Infinity"), scan("one hit", "0,0,1.5,0,0"),
       scan("one beam", "1.5"), scan("one beam no increment", "1.5", "0"),       scan("wild", many)};
-  for (const char* method : {"icp", "ndt", "fft", "fft-icp1", "fft-icp2", "fft-mh"}) {
+  for (const char* method : {"icp", "ndt", "fft", "fft-icp1", "fft-icp2", "global"}) {
     for (const auto& file : hopeless) {
       for (int side = 0; side < 3; ++side) {
         const std::string& reference = side == 0 ? good : file;

@@ -149,13 +149,24 @@ TEST(Usage, AFileBeyondTheLimitIsAWriteThatFails) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(Usage, APipeIsNoLog) {
+TEST(Usage, ALogMayComeThroughAPipe) {
   const TempFolder folder;
-  const std::string pipe = folder / "pipe";
+  const std::string pipe = folder / "pipe", log = folder / "log.jsonl";
+  ASSERT_EQ(run_command({"simulate", "--duration", "5", "--odometry", "--out", log}).code, 0);
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  expect_refusal({"info", pipe}, "pipe: is a pipe; expected a file");
-  expect_refusal({"slam", pipe, "--out", folder / "out"}, "pipe: is a pipe; expected a file");
-  expect_refusal({"convert", pipe, folder / "out.mcap"}, "pipe: is a pipe; expected a file");
+  for (const std::string& from : {log, pipe}) {
+    std::thread writer([&] {
+      if (from == pipe) std::ofstream(pipe) << test::slurp(log);
+    });
+    const CommandResult result =
+        run_command({"slam", from, "--out", folder / (from == pipe ? "piped" : "filed"), "--no-times"});
+    writer.join();
+    EXPECT_EQ(result.code, 0) << result.err;
+  }
+  EXPECT_EQ(test::slurp(folder / "piped/trajectory.tum"), test::slurp(folder / "filed/trajectory.tum"));
+  EXPECT_FALSE(test::slurp(folder / "piped/trajectory.tum").empty());
+  expect_refusal({"slam", pipe, "--out", folder / "out", "--mcap", folder / "out.mcap"}, "is a pipe; expected a file");
+  expect_refusal({"info", "-"}, "standard input:1: the file is empty");
 }
 
 TEST(Usage, PairsOfAPipeAreAnsweredAsTheyCome) {

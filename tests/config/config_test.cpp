@@ -5,7 +5,7 @@
 
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
-#include "phasescan/match/scan_matcher.hpp"
+#include "methods/any_matcher.hpp"
 #include "support/temp.hpp"
 
 namespace phasescan {
@@ -26,13 +26,13 @@ std::string message_of(const std::string& yaml) {
 TEST(Config, TheDumpLoadsBackAndDumpsTheSame) {
   Config config;
   config.match.match.method = MatchMethod::kNdt;
-  config.match.match.fast = true;
-  config.match.match.min_confidence = 0.1 + 0.2;
+  config.match.match.general.fast = true;
+  config.match.match.general.min_confidence = 0.1 + 0.2;
   const std::string text = option_table(config).dump();
   Config again;
   option_table(again).load_text(text, "dump");
   EXPECT_EQ(again.match.match.method, MatchMethod::kNdt);
-  EXPECT_EQ(again.match.match.min_confidence, 0.1 + 0.2);
+  EXPECT_EQ(again.match.match.general.min_confidence, 0.1 + 0.2);
   EXPECT_EQ(option_table(again).dump(), text);
 }
 
@@ -84,15 +84,15 @@ TEST(Config, OptionsThatDoNotGoTogetherAreNamedWithTheLineThatSpoiledIt) {
 }
 
 TEST(Config, TheLibraryRefusesThemToo) {
-  const auto said_of = [](const MatchOptions& options) {
+  const auto said_of = [](const AnyMatchOptions& options) {
     try {
-      ScanMatcher{options};
+      AnyMatcher{options};
     } catch (const std::invalid_argument& error) {
       return std::string(error.what());
     }
     return std::string("no error");
   };
-  MatchOptions odd, swapped;
+  AnyMatchOptions odd, swapped;
   odd.image.size = 127;
   EXPECT_THAT(said_of(odd), HasSubstr("image.size: value 127 is odd"));
   swapped.image.fft_size = 64;

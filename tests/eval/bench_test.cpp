@@ -73,23 +73,24 @@ TEST(Bench, OutcomesComePairByPairAndAreTheSameForAnyNumberOfThreads) {
 }
 
 TEST(Bench, AVariantIsTheMethodWithOtherOptions) {
-  MatchOptions options;
-  options.match.method = MatchMethod::kFftMh;
-  const BenchMethod variant = bench_variant("no twins, fast : mh.twins=false, match.fast = true", options);
+  AnyMatchOptions options;
+  options.match.method = MatchMethod::kGlobal;
+  const BenchMethod variant = bench_variant("no twins, fast : global.twins=false, match.fast = true", options);
   EXPECT_EQ(variant.name, "no twins, fast");
-  EXPECT_FALSE(variant.options.mh.twins);
-  EXPECT_TRUE(variant.options.match.fast);
-  EXPECT_EQ(variant.options.match.method, MatchMethod::kFftMh);
-  EXPECT_TRUE(bench_variant("same:", options).options.mh.twins);
-  for (const char* wrong : {"", "no colon", ": mh.twins=false", "x: mh.twins", "x: mh.nothing=1", "x: mh.twins=maybe",
-                            "x: twins=false", "x: mh.candidates=0"}) {
+  EXPECT_FALSE(variant.options.global.twins);
+  EXPECT_TRUE(variant.options.match.general.fast);
+  EXPECT_EQ(variant.options.match.method, MatchMethod::kGlobal);
+  EXPECT_TRUE(bench_variant("same:", options).options.global.twins);
+  EXPECT_FALSE(bench_variant("earlier name: mh.twins=false", options).options.global.twins);
+  for (const char* wrong : {"", "no colon", ": global.twins=false", "x: global.twins", "x: global.nothing=1",
+                            "x: global.twins=maybe", "x: twins=false", "x: global.candidates=0"}) {
     EXPECT_THROW(bench_variant(wrong, options), std::invalid_argument) << wrong;
   }
 }
 
 TEST(Bench, PreparedReferencesChangeTheTimesAlone) {
   const std::vector<ScanPair> pairs = some_pairs();
-  const std::vector<BenchMethod> methods = bench_methods("fft-icp2,fft-mh", {});
+  const std::vector<BenchMethod> methods = bench_methods("fft-icp2,global", {});
   BenchSettings prepared;
   prepared.prepared = true;
   prepared.repeat = 2;
@@ -100,7 +101,7 @@ TEST(Bench, PreparedReferencesChangeTheTimesAlone) {
 
 TEST(Bench, FeaturesAreALineForEveryAnswerWithAConfidence) {
   const std::vector<ScanPair> pairs = some_pairs();
-  const std::vector<BenchMethod> methods = bench_methods("icp,fft-mh", {});
+  const std::vector<BenchMethod> methods = bench_methods("icp,global", {});
   const std::string csv = bench_features(run_bench(pair_source(pairs), methods), methods);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + static_cast<long>(pairs.size()));
   const std::string header = csv.substr(0, csv.find('\n'));

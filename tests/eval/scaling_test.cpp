@@ -25,7 +25,7 @@ TEST(Scaling, EveryValueIsMatchedAndDrawn) {
   settings.range_m = {2, 40};
   settings.pairs = 8;
   settings.repeat = 1;
-  const std::vector<BenchMethod> methods = bench_methods("icp,fft-mh", {});
+  const std::vector<BenchMethod> methods = bench_methods("icp,global", {});
   std::vector<ScalingCurve> curves = measure_scaling(ScalingAxis::kBeams, methods, settings);
   ASSERT_EQ(curves.size(), 2u);
   for (ScalingCurve& curve : measure_scaling(ScalingAxis::kRange, methods, settings))
@@ -34,7 +34,7 @@ TEST(Scaling, EveryValueIsMatchedAndDrawn) {
     ASSERT_EQ(curve.points.size(), 2u);
     EXPECT_GT(curve.points[0].p50_ms, 0.0);
     EXPECT_TRUE(std::isfinite(curve.exponent));
-    if (curve.method == "fft-mh") {
+    if (curve.method == "global") {
       EXPECT_GE(curve.points[1].success, 0.75);
     }
   }

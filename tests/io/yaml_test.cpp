@@ -42,7 +42,7 @@ TEST(Yaml, TextThatBeginsNoDocumentEnds) {
 }
 
 TEST(Yaml, ASecondDocumentIsNamedWithItsLine) {
-  EXPECT_THAT(message_of("a: 1\n---\nb: 2\n"), HasSubstr("f.yaml:3: text after the end"));
+  EXPECT_THAT(message_of("a: 1\n---\nb: 2\n"), HasSubstr("f.yaml:2: text after the end"));
   EXPECT_THAT(message_of("a: [1\n"), HasSubstr("f.yaml:2: is not YAML"));
 }
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "odometry/information.hpp"
-#include "phasescan/odometry/odometry.hpp"
-#include "odometry/slide.hpp"
+#include "odometry/tracker.hpp"
+#include "odometry/resolve_degenerate.hpp"
 #include "sim/drive.hpp"
 #include "sim/pairs_spec.hpp"
 #include "sim/world_file.hpp"
@@ -39,13 +39,13 @@ double worst_step(std::uint64_t seed, int from, int to) {
   sim::DriveOptions people;
   people.people = 3;
   sim::Drive drive(world, lidar, sim::Path(world, path, Random::derive(seed, 1)), people, Random::derive(seed, 2));
-  Odometry odometry;
+  Tracker tracker;
   Pose2 found, truth;
   double worst = 0.0;
   for (int i = 0; i < to; ++i) {
     const auto scan = drive.next();
     if (!scan || i < from) continue;
-    const Pose2 now = odometry.add({scan->entry.scan}).T_odom_stamp;
+    const Pose2 now = tracker.add({scan->entry.scan}).T_odom_stamp;
     if (i > from + 2)
       worst = std::max(worst, translation_distance(found.inverse() * now, truth.inverse() * scan->T_world_laser));
     found = now, truth = scan->T_world_laser;
@@ -69,11 +69,11 @@ Unseen drive_unseen(std::uint64_t seed) {
   const auto walls = corridor();
   const ToyLidar lidar{.beams = 180, .range_max = 6.0, .field = kPi};
   Random random(seed);
-  Odometry odometry;
+  Tracker tracker;
   Unseen out;
   for (int i = 0; i < 100; ++i) {
-    const OdometryStep step =
-        odometry.add({toy_scan(walls, {3.0 + 0.06 * i, 0, kPi}, lidar, random, stamp_from_seconds(kPeriod * i))});
+    const TrackerStep step =
+        tracker.add({toy_scan(walls, {3.0 + 0.06 * i, 0, kPi}, lidar, random, stamp_from_seconds(kPeriod * i))});
     out.off_m = std::abs(step.T_odom_mid.x + 0.06 * i);
     // Of the way since the last keyframe.
     out.sigma_m = std::max(out.sigma_m, 1.0 / std::sqrt(std::max(1e-9, step.information(0, 0))));
@@ -97,13 +97,13 @@ double drive_past_niches(double depth, std::uint64_t seed, bool wheels) {
   const auto walls = corridor_with_niches(40.0, depth);
   const ToyLidar lidar{.beams = 180, .range_max = 4.0, .field = kPi};
   Random random(seed);
-  Odometry odometry;
+  Tracker tracker;
   double x = 0.0, found = 0.0;
   for (int i = 0; i < 250; ++i) {
     x += std::min(0.05, 0.005 * i);
     const std::optional<Pose2> wheel = wheels ? std::optional<Pose2>({x, 0, 0}) : std::nullopt;
     const Scan scan = toy_scan(walls, {6.0 + x, 0, 0}, lidar, random, stamp_from_seconds(0.1 * i));
-    found = odometry.add({scan, "", {}, wheel}).T_odom_mid.x;
+    found = tracker.add({scan, "", {}, wheel}).T_odom_mid.x;
   }
   return std::abs(found - x);
 }
@@ -121,11 +121,11 @@ double speed_up_in_a_hall(std::uint64_t seed) {
     }
   }
   const ToyLidar lidar{.beams = 240, .range_max = 4.0, .noise = 0.01, .field = 4.19};
-  Odometry odometry;
+  Tracker tracker;
   double x = 0.0, speed = 0.05, worst = 0.0;
   for (int i = 0; i < 120; ++i) {
     if (i > 30) speed = std::min(0.2, speed + 0.04);
-    const OdometryStep step = odometry.add({toy_scan(walls, {x, 0.3, 0}, lidar, random, stamp_from_seconds(0.1 * i))});
+    const TrackerStep step = tracker.add({toy_scan(walls, {x, 0.3, 0}, lidar, random, stamp_from_seconds(0.1 * i))});
     worst = std::max(worst, std::abs(step.T_odom_mid.x - x));
     x += speed;
   }
@@ -150,12 +150,12 @@ TEST(Corridor, ShallowNichesShowTheWayAlongIt) {
 double set_off(double step_m, std::uint64_t seed) {
   const ToyLidar lidar{.beams = 180, .range_max = 4.0, .field = kPi};
   Random random(seed);
-  Odometry odometry;
+  Tracker tracker;
   double x = 0.0, found = 0.0;
   for (int i = 0; i < 30; ++i) {
     if (i > 10) x += step_m;
     const Scan scan = toy_scan(corridor(), {6.0 + x, 0, 0}, lidar, random, stamp_from_seconds(0.1 * i));
-    found = odometry.add({scan, "", {}, Pose2{x, 0, 0}}).T_odom_mid.x;
+    found = tracker.add({scan, "", {}, Pose2{x, 0, 0}}).T_odom_mid.x;
   }
   return std::abs(found - x);
 }
@@ -167,12 +167,12 @@ TEST(Corridor, WheelsThatWereRightAreFollowedAtOnceWhenTheSpeedChanges) {
   }
 }
 
-TEST(Corridor, WheelsAreBelievedUntilSomethingSpeaksAgainstThem) {
+TEST(Corridor, WheelsAreTrustedUntilScansDisagree) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) EXPECT_LT(drive_past_niches(0.0, seed, true), 0.3) << seed;
 }
 
-/// A scan from `x`, slid along a map made from eight poses before it, and how it is slid.
-Slide slide_in(const std::vector<Wall>& walls, double off) {
+/// What poses along a map, made from eight poses, say of a scan whose prior is `off` ahead.
+DirectionFit fit_in(const std::vector<Wall>& walls, double off) {
   const ToyLidar lidar{.beams = 720, .range_max = 4.0};
   Random random(3);
   SurfaceWorkspace work;
@@ -193,12 +193,12 @@ Slide slide_in(const std::vector<Wall>& walls, double off) {
   PosePrior prior;
   prior.T_map_base = {1.8 + off, 0, 0};
   prior.information.diagonal() << 1.0, 1.0, 1.0;
-  return slide_along(map, points, prior.T_map_base, {1.0, 0.0, 0.0}, prior);
+  return fit_along(map, points, prior.T_map_base, {1.0, 0.0, 0.0}, prior);
 }
 
-TEST(Slide, NichesSayWhereAndBareWallsSayNothing) {
+TEST(FitAlong, NichesSayWhereAndBareWallsSayNothing) {
   for (const double off : {-0.15, -0.05, 0.0, 0.1, 0.15}) {
-    const Slide niche = slide_in(corridor_with_niches(40.0, 0.3), off), bare = slide_in(corridor(), off);
+    const DirectionFit niche = fit_in(corridor_with_niches(40.0, 0.3), off), bare = fit_in(corridor(), off);
     EXPECT_NEAR(niche.offset_m, -off, 0.04) << off;
     EXPECT_GT(kMatchTrust * niche.information, 50.0) << off;
     EXPECT_LT(kMatchTrust * bare.information, 20.0) << off;
@@ -206,95 +206,10 @@ TEST(Slide, NichesSayWhereAndBareWallsSayNothing) {
   }
 }
 
-TEST(Slide, AnswersWithoutPointsAndWithoutMap) {
-  const Slide slide = slide_along(LocalMap{}, MapPoints{}, {}, {1.0, 0.0, 0.0}, {});
-  EXPECT_NEAR(slide.offset_m, 0.0, 1e-9);
-  EXPECT_TRUE(std::isfinite(slide.information));
-}
-
-TEST(Information, ABoundShrinksOnlyWhatIsLarger) {
-  Eigen::Matrix3d covariance;
-  covariance << 1.0, 0.9, 0.05, 0.9, 1.0, 0.04, 0.05, 0.04, 0.01;
-  const Eigen::Matrix3d before = covariance;
-  bound_translation(covariance, 2.0);
-  EXPECT_EQ(covariance, before);
-  bound_translation(covariance, 0.5);
-  EXPECT_NEAR(largest_deviation(covariance.inverse()), 0.5, 1e-9);
-  EXPECT_NEAR(covariance(0, 0) - covariance(0, 1), 0.1, 1e-9);  // across, 0.32 m as before
-  EXPECT_EQ(covariance(2, 2), 0.01);
-  EXPECT_GT(covariance.determinant(), 0.0);
-}
-
-TEST(Information, TheDirectionLeastSeenIsThatOfTheWeakestInformation) {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  const Eigen::Vector2d weak(0.6, 0.8), strong(-0.8, 0.6);
-  information.topLeftCorner<2, 2>() = 1e6 * strong * strong.transpose() + 10.0 * weak * weak.transpose();
-  information(2, 2) = 1e6;
-  const Eigen::Vector3d u = least_seen(information).direction;
-  EXPECT_NEAR(std::abs(u.head<2>().dot(weak)), 1.0, 1e-6);
-  EXPECT_NEAR(u.z(), 0.0, 1e-6);
-}
-
-std::vector<float> rough_corridor(double x, Random& noise) {
-  // The relief is a function of the place, not of the beam.
-  std::vector<float> ranges;
-  for (int k = 0; k < 180; ++k) {
-    const double angle = -0.5 * kPi + k * kPi / 180;
-    const double across = std::abs(std::sin(angle));
-    double range = across > 1e-6 ? 0.9 / across : 100.0;
-    const double place = x + range * std::cos(angle);
-    const double relief = 0.012 * std::sin(97.0 * place) * std::sin(41.0 * place + (angle > 0 ? 1.0 : 0.0));
-    if (range < 6.0) range += relief / across;
-    ranges.push_back(range < 6.0 ? static_cast<float>(range + noise.normal(0.0, 0.002)) : 0.0F);
-  }
-  return ranges;
-}
-
-SurfacePoints surface_of(const std::vector<float>& ranges) {
-  SurfaceWorkspace work;
-  SurfacePoints surface;
-  find_surface(make_scan(ranges, {-0.5 * kPi, kPi / 180, 0.0, 6.0}), {}, work, surface);
-  return surface;
-}
-
-TEST(MotionHabits, TheReliefOfBareWallsTellsRestFromMotion) {
-  Random noise(1);
-  ReliefWitness witness;
-  EXPECT_FALSE(witness.add(surface_of(rough_corridor(0.0, noise))).has_value());
-  EXPECT_GT(witness.add(surface_of(rough_corridor(0.0, noise))).value(), 0.7);
-  EXPECT_LT(witness.add(surface_of(rough_corridor(0.06, noise))).value(), 0.4);
-  EXPECT_GT(witness.add(surface_of(rough_corridor(0.06, noise))).value(), 0.7);
-  EXPECT_FALSE(witness.add(SurfacePoints{}).has_value());
-}
-
-TEST(MotionHabits, AssumesRestOrTheUsualMotionOnceBothAreKnown) {
-  Random noise(2);
-  MotionHabits habits;
-  double x = 0.0;
-  const auto go = [&](double step, bool seen) {
-    x += step;
-    habits.add(surface_of(rough_corridor(x, noise)));
-    const auto assumed = habits.assume(0.0);
-    habits.learn({step, 0.0, 0.0}, seen);
-    return assumed;
-  };
-  for (int i = 0; i < 30; ++i) EXPECT_FALSE(go(0.0, true).has_value()) << i;  // nothing is usual yet
-  for (int i = 0; i < 30; ++i) EXPECT_FALSE(go(0.06, true).has_value()) << i;
-  // Rest and the end of it, unseen.
-  go(0.0, false), go(0.0, false);
-  const auto rest = go(0.0, false);
-  ASSERT_TRUE(rest.has_value());
-  EXPECT_EQ(rest->x, 0.0);
-  const auto start = go(0.06, false);
-  ASSERT_TRUE(start.has_value());
-  EXPECT_NEAR(start->x, 0.06, 0.005);
-  EXPECT_FALSE(go(0.06, false).has_value());  // and so it goes on
-  // A speed that is not seen does not run away.
-  Pose2 step{0.2, 0.0, 0.0};
-  for (int i = 0; i < 200; ++i) step = habits.expect(step);
-  EXPECT_NEAR(step.x, 0.06, 0.01);
-  go(0.06, true);
-  EXPECT_EQ(habits.expect({0.2, 0.0, 0.0}).x, 0.2);
+TEST(FitAlong, AnswersWithoutPointsAndWithoutMap) {
+  const DirectionFit fit = fit_along(LocalMap{}, MapPoints{}, {}, {1.0, 0.0, 0.0}, {});
+  EXPECT_NEAR(fit.offset_m, 0.0, 1e-9);
+  EXPECT_TRUE(std::isfinite(fit.information));
 }
 
 }  // namespace

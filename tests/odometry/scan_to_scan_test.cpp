@@ -28,13 +28,14 @@ TEST(ScanToScan, TheLeastKnownDirectionLiesAlongTheLongRoomWhateverTheHeadings) 
         const Pose2 T_base_laser{0.1, -0.05, 0.6};
         const Pose2 T_odom_before{0.2, 0.1, heading}, T_odom_now{0.4, 0.05, wrap_angle(heading + turn)};
         Random random(3);
-        ScanToScan net;
+        ScanToScan matcher;
+        LastScans last;
         const auto seen_from = [&](const Pose2& T_odom_base, Stamp stamp) {
           const Scan scan = toy_scan(walls, T_odom_base * T_base_laser, {}, random, stamp, {}, upside_down);
           return RangeMeasurement{upside_down ? mirrored_scan(scan) : scan, "", T_base_laser};
         };
-        net.remember(seen_from(T_odom_before, 0), T_odom_before, {});
-        const auto found = net.find(seen_from(T_odom_now, 1), {});
+        last.remember(seen_from(T_odom_before, 0), T_odom_before, {});
+        const auto found = matcher.find(last, seen_from(T_odom_now, 1), {});
         ASSERT_TRUE(found) << heading << " " << turn << " " << upside_down;
         EXPECT_LT(translation_distance(found->T_odom_base, T_odom_now), 0.05)
             << heading << " " << turn << " " << upside_down;
@@ -48,13 +49,14 @@ TEST(ScanToScan, TheLeastKnownDirectionLiesAlongTheLongRoomWhateverTheHeadings) 
 }
 
 /// How many of so many matches in a row, the robot driving along, are taken for certain.
-int certain_of(int count, const std::vector<Wall>& walls, double from_x, ScanToScan& net, Random& random) {
+int certain_of(int count, const std::vector<Wall>& walls, double from_x, LastScans& last, Random& random) {
   const testing::ToyLidar lidar{.beams = 180, .range_max = 6.0, .noise = 0.02, .field = kPi};
+  ScanToScan matcher;
   int certain = 0;
   for (int i = 0; i < count; ++i) {
     const Pose2 before{from_x + 0.05 * i, 0.0, 0.0}, now{from_x + 0.05 * (i + 1), 0.0, 0.0};
-    net.remember({toy_scan(walls, before, lidar, random, 0)}, before, {});
-    const auto found = net.find({toy_scan(walls, now, lidar, random, 1)}, {});
+    last.remember({toy_scan(walls, before, lidar, random, 0)}, before, {});
+    const auto found = matcher.find(last, {toy_scan(walls, now, lidar, random, 1)}, {});
     certain += found && found->certain;
   }
   return certain;
@@ -66,18 +68,20 @@ TEST(ScanToScan, EachLaserIsMatchedWithItsOwnLastScan) {
   const testing::ToyLidar half{.beams = 240, .range_max = 8.0, .noise = 0.01, .field = kPi};
   const std::pair<std::string, Pose2> lasers[] = {{"front", {0.2, 0.0, 0.0}}, {"rear", {-0.2, 0.0, kPi}}};
   Random random(5);
-  ScanToScan net;
+  ScanToScan matcher;
+  LastScans last;
   const Pose2 before{0.2, 0.1, 0.3}, now{0.3, 0.15, 0.4};
   for (const auto& [name, T_base_laser] : lasers)
-    net.remember({toy_scan(walls, before * T_base_laser, half, random, 0), name, T_base_laser}, before, {});
+    last.remember({toy_scan(walls, before * T_base_laser, half, random, 0), name, T_base_laser}, before, {});
   for (const auto& [name, T_base_laser] : lasers) {
-    const auto found = net.find({toy_scan(walls, now * T_base_laser, half, random, 1), name, T_base_laser}, {});
+    const auto found =
+        matcher.find(last, {toy_scan(walls, now * T_base_laser, half, random, 1), name, T_base_laser}, {});
     ASSERT_TRUE(found && found->certain);
     EXPECT_LT(translation_distance(found->T_odom_base, now), 0.02);
     EXPECT_LT(angle_distance(found->T_odom_base.theta, now.theta), 0.01);
   }
-  net.forget();
-  EXPECT_FALSE(net.find({toy_scan(walls, now, half, random, 1), "front"}, {}));
+  last.forget();
+  EXPECT_FALSE(matcher.find(last, {toy_scan(walls, now, half, random, 1), "front"}, {}));
 }
 
 TEST(ScanToScan, EachScanCountsWithTheMountingItWasTakenWith) {
@@ -87,11 +91,13 @@ TEST(ScanToScan, EachScanCountsWithTheMountingItWasTakenWith) {
   for (const double pan : {0.02, kPi / 2}) {
     const Pose2 T_base_first{0.2, 0.0, 0.0}, T_base_second{0.2, 0.1, pan};
     Random random(6);
-    ScanToScan net;
-    net.remember({toy_scan(walls, before * T_base_first, {}, random, 0), "panning", T_base_first}, before, {});
-    EXPECT_TRUE(net.knows("panning"));
-    EXPECT_FALSE(net.knows("other"));
-    const auto found = net.find({toy_scan(walls, now * T_base_second, {}, random, 1), "panning", T_base_second}, {});
+    ScanToScan matcher;
+    LastScans last;
+    last.remember({toy_scan(walls, before * T_base_first, {}, random, 0), "panning", T_base_first}, before, {});
+    EXPECT_TRUE(last.knows("panning"));
+    EXPECT_FALSE(last.knows("other"));
+    const auto found =
+        matcher.find(last, {toy_scan(walls, now * T_base_second, {}, random, 1), "panning", T_base_second}, {});
     ASSERT_TRUE(found && found->usable);
     EXPECT_LT(translation_distance(found->T_odom_base, now), 0.02) << pan;
     EXPECT_LT(angle_distance(found->T_odom_base.theta, now.theta), 0.01) << pan;
@@ -101,12 +107,13 @@ TEST(ScanToScan, EachScanCountsWithTheMountingItWasTakenWith) {
 TEST(ScanToScan, WhereMostMatchesAreAmbiguousTheFewThatClaimToKnowAreNotCertain) {
   const std::vector<Wall> corridor = {{{-20, -0.9}, {40, -0.9}}, {{-20, 0.9}, {40, 0.9}}};
   Random random(4);
-  ScanToScan net;
-  EXPECT_EQ(certain_of(30, testing::two_rooms(), -1.5, net, random), 30);
-  EXPECT_EQ(certain_of(60, corridor, 0.0, net, random), 0);
+  ScanToScan matcher;
+  LastScans last;
+  EXPECT_EQ(certain_of(30, testing::two_rooms(), -1.5, last, random), 30);
+  EXPECT_EQ(certain_of(60, corridor, 0.0, last, random), 0);
   // Back in the rooms it takes a while.
-  EXPECT_EQ(certain_of(3, testing::two_rooms(), -1.5, net, random), 0);
-  EXPECT_GT(certain_of(30, testing::two_rooms(), -1.5, net, random), 15);
+  EXPECT_EQ(certain_of(3, testing::two_rooms(), -1.5, last, random), 0);
+  EXPECT_GT(certain_of(30, testing::two_rooms(), -1.5, last, random), 15);
 }
 
 }  // namespace

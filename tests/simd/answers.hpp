@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "image/score_table.hpp"
+#include "match/score_table.hpp"
 #include "phasescan/match/scan_matcher.hpp"
-#include "translation/sparse_correlation.hpp"
+#include "match/sparse_correlation.hpp"
 #include "support/rooms.hpp"
 
 namespace phasescan::test {
@@ -35,7 +35,7 @@ inline std::vector<std::uint32_t> integer_answers() {
   return out;
 }
 
-/// Poses of fft-mh, which come through all kernels.
+/// Poses of the default matcher, which come through all kernels.
 inline std::vector<MatchResult> match_answers() {
   std::vector<MatchResult> out;
   ScanMatcher matcher;

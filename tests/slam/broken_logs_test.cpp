@@ -51,7 +51,7 @@ struct Outcome {
 Outcome run(const Log& log) {
   Slam slam;
   Outcome out;
-  for (const Scan& scan : log.scans) out.begun_anew += slam.add({scan}).new_segment;
+  for (const Scan& scan : log.scans) out.begun_anew += slam.add({scan}).diagnostics.new_segment;
   slam.finish();
   out.left_out = slam.scans_left_out();
   const MapPieces pieces = slam.backend().pieces();

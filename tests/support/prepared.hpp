@@ -1,4 +1,4 @@
-/// A scan prepared with the defaults of fft-mh, for tests of its parts.
+/// A scan prepared with the defaults of the global matcher, for tests of its parts.
 #pragma once
 
 #include "match/prepared_scan.hpp"

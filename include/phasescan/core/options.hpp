@@ -36,6 +36,12 @@ struct OptionInfo {
 template <class E>
 std::span<const std::string_view> enum_names() = delete;
 
+/// Today's name of a value that was once called otherwise; any other text as it is. Specialise where a name changed.
+template <class E>
+constexpr std::string_view current_enum_name(std::string_view text) {
+  return text;
+}
+
 template <class E>
 requires std::is_enum_v<E> std::string_view to_string(E value) {
   return enum_names<E>()[static_cast<std::size_t>(value)];
@@ -45,9 +51,10 @@ requires std::is_enum_v<E> std::string_view to_string(E value) {
 template <class E>
 requires std::is_enum_v<E> E enum_from_string(std::string_view text) {
   const auto names = enum_names<E>();
+  const std::string_view current = current_enum_name<E>(text);
   std::string choices;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i] == text) return static_cast<E>(i);
+    if (names[i] == current) return static_cast<E>(i);
     choices += (i ? ", " : "") + std::string(names[i]);
   }
   throw std::invalid_argument("'" + std::string(text) + "' is not one of " + choices);

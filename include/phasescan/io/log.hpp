@@ -63,7 +63,12 @@ class LogReader {
   std::size_t damage_count_ = 0;
 };
 
-/// Opens a log. @throws InputError (no such format, nothing readable), SystemError (permission).
+/// Opens a log: a file, a recording's folder, a pipe, or standard input where `path` is "-". Nothing is read twice;
+/// only a database (.db3) needs to be a file.
+/// @throws InputError (no such format, nothing readable), SystemError (permission).
 std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& options = {});
+
+/// Whether `open_log` may be called for this path again: not where it is a pipe.
+bool can_be_read_again(const std::string& path);
 
 }  // namespace phasescan

@@ -1,11 +1,12 @@
-/// A map as map_server knows it: free, occupied, unknown.
+/// A map as map_server knows it, and the surfaces in it that most beams do not see.
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "phasescan/core/pose2.hpp"
-#include "map/occupancy_grid.hpp"
 
 namespace phasescan {
 
@@ -23,8 +24,24 @@ struct TrinaryMap {
   }
 };
 
-/// Cells with a probability of at least 0.65 are occupied, of at most 0.196 free, others and unseen ones unknown;
-/// `margin` unknown cells all around.
-TrinaryMap make_trinary(const OccupancyGrid& grid, int margin = 4);
+/// Glass answers beams that meet it head on only, black surfaces those from near only.
+enum class GlassKind : std::uint8_t {
+  kGlass,  ///< answered head on, was looked through obliquely
+  kBlack,  ///< swallows beams: nothing came back, though there is something behind it, or it answered from near or head
+           ///< on
+};
+
+/// A straight piece of such a surface, frame of the map [m].
+struct GlassPane {
+  Eigen::Vector2d a, b;
+  GlassKind kind = GlassKind::kGlass;
+  bool sure = false;         ///< enough views, from places far enough apart
+  std::size_t views = 0;     ///< scans that show it
+  std::size_t hits = 0;      ///< beams that it answered
+  std::size_t through = 0;   ///< beams that ended behind it
+  std::size_t vanished = 0;  ///< beams that should have come back and did not
+
+  double length() const { return (b - a).norm(); }
+};
 
 }  // namespace phasescan

@@ -34,9 +34,18 @@ struct MatchTimes {
   double total = 0.0;
   double image = 0.0;        ///< points and scan images
   double missing = 0.0;      ///< missing-data features and their match
-  double rotation = 0.0;     ///< spectra, polar sampling, correlation; for fft-mh rotation candidates
+  double rotation = 0.0;     ///< spectra, polar sampling, correlation; for global rotation candidates
   double translation = 0.0;  ///< translation candidates
   double refine = 0.0;       ///< ICP, NDT or point-to-line refinement
+};
+
+/// How a match came about: for tables and for those who look inside. Nothing of it is needed to act on an answer.
+struct MatchDiagnostics {
+  RotationSource rotation_source = RotationSource::kNone;
+  int iterations = 0;            ///< of the refinement
+  double violation = 0.0;        ///< share of the hits of both where the other scan looked through, 0..1 (global)
+  std::vector<double> features;  ///< what the confidence was computed from, see docs/global.md; empty without one
+  MatchTimes ms;
 };
 
 /// Another pose that explains the scans.
@@ -55,14 +64,10 @@ struct MatchResult {
   Eigen::Matrix3d covariance =
       Eigen::Matrix3d::Identity() * 1e6;  ///< of (x, y, theta) in the reference frame, capped at 1e6
   std::optional<double>
-      confidence;                ///< probability of being within 0.1 m and 3 deg; empty for methods without calibration
-  std::vector<double> features;  ///< what the confidence was computed from, see confidence.hpp; empty without one
-  double overlap = 0.0;          ///< share of the scan's hits that found a partner, 0..1
-  double violation = 0.0;        ///< share of the hits of both where the other scan looked through, 0..1 (fft-mh)
+      confidence;        ///< probability of being within 0.1 m and 3 deg; empty for methods without calibration
+  double overlap = 0.0;  ///< share of the scan's hits that found a partner, 0..1
   std::vector<MatchAlternative> alternatives;  ///< best first, without T_ref_scan itself
-  RotationSource rotation_source = RotationSource::kNone;
-  int iterations = 0;  ///< of the refinement
-  MatchTimes ms;
+  MatchDiagnostics diagnostics;
 };
 
 }  // namespace phasescan

@@ -1,27 +1,19 @@
-/// The matchers behind one door: scans in, a pose with its trustworthiness out.
+/// The default matcher, `global`: two scans in, a pose with its trustworthiness out. No first guess is needed.
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "phasescan/core/pose2.hpp"
+#include "phasescan/match/hints.hpp"
 #include "phasescan/match/options.hpp"
 #include "phasescan/match/result.hpp"
 #include "phasescan/scan/scan.hpp"
 
 namespace phasescan {
 
-/// What else is known of a pair of scans.
-struct MatchHints {
-  std::optional<Pose2> guess;  ///< T_ref_scan to start from; none: any rotation, no guess
-  Twist2 reference_twist;      ///< motion of the sensor during the reference scan, taken out of it
-  Twist2 scan_twist;           ///< the same for the scan
-};
-
-/// A reference scan with all that a method prepares of it (points, image, spectrum, search structures). Copies share
-/// it; any number of matchers may read one at the same time.
+/// A reference scan with all that is prepared of it (surfaces, score table, search structures). Copies share it; any
+/// number of matchers may read one at the same time.
 class Reference {
  public:
   struct Data;
@@ -32,7 +24,7 @@ class Reference {
   std::shared_ptr<const Data> data_;
 };
 
-/// Matches scans with one method. Owns its buffers: one object per thread; nothing is shared but FFT plans.
+/// Matches scans. Owns its buffers: one object per thread; nothing is shared.
 class ScanMatcher {
  public:
   /// @throws std::invalid_argument naming the option that is out of bounds.
@@ -46,8 +38,7 @@ class ScanMatcher {
 
   /// Prepares a reference once for many matches.
   Reference prepare(const Scan& reference, const Twist2& twist = {});
-  /// The same answer as with the raw reference scan. @throws std::invalid_argument for a reference of another method's
-  /// matcher.
+  /// The same answer as with the raw reference scan. @pre the reference was prepared with the same options
   MatchResult match(const Reference& reference, const Scan& scan, const MatchHints& hints = {});
 
   const MatchOptions& options() const;
@@ -57,7 +48,7 @@ class ScanMatcher {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The one-line door: one match with the given options.
+/// One match with the given options.
 MatchResult match_scans(const Scan& reference, const Scan& scan, const MatchOptions& options = {},
                         const MatchHints& hints = {});
 

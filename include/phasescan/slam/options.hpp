@@ -1,8 +1,7 @@
 #pragma once
 
 #include "phasescan/core/options.hpp"
-#include "map/glass.hpp"
-#include "map/occupancy_grid.hpp"
+#include "phasescan/map/options.hpp"
 #include "phasescan/odometry/options.hpp"
 
 namespace phasescan {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -11,7 +12,7 @@
 #include "phasescan/core/time.hpp"
 #include "map/glass.hpp"
 #include "map/occupancy_grid.hpp"
-#include "phasescan/odometry/odometry.hpp"
+#include "odometry/tracker.hpp"
 #include "slam/backend.hpp"
 #include "phasescan/slam/options.hpp"
 #include "slam/scan_store.hpp"
@@ -35,7 +36,7 @@ class Slam {
   ~Slam();
 
   /// The next laser message.
-  OdometryStep add(const RangeMeasurement& measurement);
+  TrackerStep add(const RangeMeasurement& measurement);
 
   /// A message that repeats the one before: it gets that one's pose and counts for nothing else.
   void repeat(const RangeMeasurement& measurement);
@@ -65,24 +66,31 @@ class Slam {
   double last_backend_cpu_s() const { return backend_cpu_s_; }
   const std::vector<ScanRecord>& records() const { return records_; }
   const Backend& backend() const;
-  const Odometry& odometry() const { return odometry_; }
+  const Tracker& tracker() const { return tracker_; }
   /// Scans kept: all, or those of keyframes without polish; none in bounded-memory mode.
   const ScanStore& scans() const { return store_; }
 
  private:
   struct Worker;
+  void take(std::vector<TrackedKeyframe> keyframes);
   void hand_over();
   PlacedScan placed_keyframe(std::size_t i) const;
   std::vector<Pose2> anchored(const std::vector<Pose2>& keyframe_poses) const;
 
   SlamOptions options_;
   int threads_;
-  Odometry odometry_;
+  Tracker tracker_;
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<Worker> worker_;
   ScanStore store_;
   std::vector<ScanRecord> records_;
   std::vector<Pose2> polished_;  // T_map_base at the stamp, when polish has run
+  struct KeyframeScan {
+    std::int64_t scan = 0;            // its record
+    std::size_t stored = 0;           // its number in the store
+    std::shared_ptr<const Scan> own;  // in bounded-memory mode
+  };
+  std::deque<KeyframeScan> keyframe_scans_;  // of keyframes that the tracker has not handed out yet
   std::vector<Keyframe> batch_;
   Pose2 T_odom_keyframe_;
   std::int32_t keyframes_ = 0;

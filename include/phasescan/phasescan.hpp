@@ -1,0 +1,16 @@
+/// Every public header of the components that are installed.
+#pragma once
+
+#include "phasescan/match/scan_matcher.hpp"  // IWYU pragma: export
+
+#if __has_include("phasescan/fft_icp/fft_icp.hpp")
+#include "phasescan/fft_icp/fft_icp.hpp"  // IWYU pragma: export
+#endif
+#if __has_include("phasescan/slam/slam.hpp")
+#include "phasescan/odometry/odometry.hpp"  // IWYU pragma: export
+#include "phasescan/slam/slam.hpp"          // IWYU pragma: export
+#endif
+#if __has_include("phasescan/io/log.hpp")
+#include "phasescan/io/log.hpp"         // IWYU pragma: export
+#include "phasescan/io/log_writer.hpp"  // IWYU pragma: export
+#endif

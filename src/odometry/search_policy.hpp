@@ -1,0 +1,41 @@
+/// How poses are looked for: one set of rules where scans follow each other closely, one where they stand far apart.
+#pragma once
+
+#include "odometry/map_points.hpp"
+#include "odometry/motion_variability.hpp"
+#include "phasescan/odometry/options.hpp"
+
+namespace phasescan {
+
+/// The rules of one scan.
+struct SearchPolicy {
+  /// How walls are followed. Scans that stand far apart meet as two scans do, and not as a scan meets the map of those
+  /// just before it.
+  WallLines lines = kTrackingLines;
+  /// Objects that stand free are left out until they are known to be static. Where scans stand far apart nothing is
+  /// seen often enough to show that.
+  bool filter_free_standing = true;
+  /// A laser heard for the first time is placed by the motion alone.
+  bool place_new_laser_by_motion = true;
+  /// What a certain match against the last scan says counts as a prior of the match against the map.
+  bool fuse_last_scan = true;
+  /// The direction that a match leaves open is looked along; it looks no farther than scans that follow each other
+  /// closely can be apart.
+  bool resolve_degenerate = true;
+  /// The match against the last scan is tried as a start every time, else only where the scan is badly explained.
+  bool always_try_last_scan = false;
+  /// A match against the last scan that is not usable is tried as a start as well, if it explains enough.
+  bool try_doubtful_last_scan = false;
+  /// By so much of its score the pose from a usable match against the last scan must be better to be taken instead; the
+  /// other is for one in doubt.
+  double last_scan_gain = 0.04, doubtful_gain = 0.0;
+  /// What the motion per scan may change by beside what the model has [m], [rad].
+  double change_m = 0.0, change_rad = 0.0;
+  /// Scans in a row without a match until a new local map is begun.
+  int lost_after_scans = 8;
+};
+
+/// Dense or sparse rules, by how much the motion varies from scan to scan.
+SearchPolicy search_policy(const MotionVariability& variability, const OdometryOptions& options);
+
+}  // namespace phasescan

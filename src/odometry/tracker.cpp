@@ -1,0 +1,356 @@
+#include "odometry/tracker.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/motion.hpp"
+#include "odometry/degeneracy.hpp"
+#include "odometry/information.hpp"
+
+namespace phasescan {
+namespace {
+
+// A pose that stays within these of where the robot came to rest is rest [m], [rad].
+constexpr double kStillM = 0.006, kStillRad = 0.003;
+// [m] by which the motion found may distort a scan, two metres from the sensor, beside what was expected, for it to
+// stay.
+constexpr double kDistortionM = 0.01;
+constexpr double kDeskewedGateM = 0.15;  // [m] of the registration after that: the pose is known
+// Share of the usual score: a match after a gap that explains less is chance.
+constexpr double kAfterGapShare = 0.8;
+// Keyframes: standard deviation since the last one that asks for another [m]; overlap below which the map does not hold
+// enough of the scan, and share of the usual way that must have been driven then.
+constexpr double kUncertainM = 0.15, kLowOverlap = 0.6, kLeastShare = 0.3;
+constexpr double kMapMarginM = 5.0;  // [m] the map reaches so much farther than a scan
+constexpr double kMemory = 0.95;     // weight of the past in the usual score
+// Standard deviations of the first pose, which is the origin: no more than keeps the covariance definite [m], [rad].
+constexpr double kStartM = 1e-4, kStartRad = 1e-4;
+
+/// Covariance of (x, y, theta) of T_odom_keyframe * T_keyframe_base along the axes of odom.
+/// @param keyframe  covariance of T_odom_keyframe along the axes of odom
+/// @param since     of T_keyframe_base, frame of the base
+Eigen::Matrix3d chain_covariance(const Pose2& T_odom_keyframe, const Eigen::Matrix3d& keyframe,
+                                 const Pose2& T_odom_base, const Eigen::Matrix3d& since) {
+  // A wrong heading of the keyframe turns the way since then about it.
+  Eigen::Matrix3d lever = Eigen::Matrix3d::Identity();
+  lever(0, 2) = -(T_odom_base.y - T_odom_keyframe.y);
+  lever(1, 2) = T_odom_base.x - T_odom_keyframe.x;
+  const Eigen::Matrix3d sum = lever * keyframe * lever.transpose() + rotate_information(since, T_odom_base.theta);
+  return 0.5 * (sum + sum.transpose());
+}
+
+/// At rest the mean of all poses is better than the last one, and it does not wander.
+Pose2 zero_velocity_update(const Pose2& T_odom_mid, Standstill& still) {
+  if (still.count > 0) {
+    const Pose2 off = still.first.inverse() * T_odom_mid;
+    if (std::hypot(off.x, off.y) < kStillM && std::abs(off.theta) < kStillRad) {
+      ++still.count;
+      still.sum.x += off.x;
+      still.sum.y += off.y;
+      still.sum.theta += off.theta;
+      const double n = still.count;
+      return still.first * Pose2{still.sum.x / n, still.sum.y / n, still.sum.theta / n};
+    }
+  }
+  still = {T_odom_mid, {}, 1};
+  return T_odom_mid;
+}
+
+TrackingStatus status_of(const TrackingDiagnostics& found, bool determined, double min_overlap) {
+  if (found.overlap < min_overlap) return TrackingStatus::kDegraded;
+  if (!determined) return TrackingStatus::kAmbiguous;
+  const bool hard = found.wide_search || found.full_search || found.overlap < kLowOverlap;
+  return hard ? TrackingStatus::kDegraded : TrackingStatus::kOk;
+}
+
+}  // namespace
+
+struct Tracker::Scanned {
+  const RangeMeasurement& measurement;
+  MotionInput motion;
+  SearchPolicy policy;
+  Frame frame;
+  bool new_laser = false;  ///< heard for the first time
+  MotionPrediction expected;
+};
+
+struct Tracker::Solution {
+  PoseSolution pose;
+  bool first_deskewed = false;  ///< the first keyframe was changed by what was found
+};
+
+Tracker::Tracker(const OdometryOptions& options, OdometryState state) : options_(options), state_(std::move(state)) {
+  validate_options("odometry", options_);
+  if (!state_.window.empty()) rebuild_map();
+}
+
+TrackerStep Tracker::add(const RangeMeasurement& measurement) {
+  Scanned scanned = begin(measurement);
+  TrackerStep step;
+  step.stamp = measurement.scan.stamp;
+  if (state_.window.empty()) {
+    start(scanned, step);
+  } else {
+    expect(scanned);
+    const Solution solution = solve(scanned);
+    const PoseSolution& pose = solution.pose;
+    step.diagnostics.overlap = pose.found.overlap;
+    step.diagnostics.residual_m = pose.found.residual_m;
+    step.diagnostics.wide_search = pose.wide_search;
+    step.diagnostics.full_search = pose.full_search;
+    const Pose2 moved = is_matched(scanned, pose) ? correct(scanned, pose, step) : coast(scanned, step);
+    move(scanned, moved, step);
+    remember(scanned, step);
+    if (state_.first) emit_first(solution.first_deskewed, step);
+  }
+  ++state_.scans;
+  return step;
+}
+
+std::vector<TrackedKeyframe> Tracker::finish() {
+  std::vector<TrackedKeyframe> last;
+  if (state_.first) last.push_back(std::move(state_.first->keyframe));
+  state_.first.reset();
+  return last;
+}
+
+Tracker::Scanned Tracker::begin(const RangeMeasurement& measurement) {
+  Scanned scanned{measurement, {}, {}, {}, false, {}};
+  const ScanTiming timing = state_.clock.add(measurement.scan);
+  scanned.motion = state_.motion.begin_scan(timing, measurement.T_odom_base, options_);
+  scanned.policy = search_policy(state_.motion.variability, options_);
+  scanned.frame = frame_of(measurement, scanned.motion.twist, timing.duration_s, scanned.policy);
+  return scanned;
+}
+
+Frame Tracker::frame_of(const RangeMeasurement& measurement, const Twist2& twist, double duration_s,
+                        const SearchPolicy& policy) {
+  Frame frame = prepare_frame(measurement, twist, duration_s, policy, options_, work_);
+  select_static_points(map_, T_map_last() * state_.motion.step, work_, frame);
+  return frame;
+}
+
+void Tracker::start(const Scanned& scanned, TrackerStep& step) {
+  state_.keyframe_covariance =
+      Eigen::Vector3d(kStartM * kStartM, kStartM * kStartM, kStartRad * kStartRad).asDiagonal();
+  step.covariance = state_.keyframe_covariance;
+  if (!scanned.frame.has_enough_points()) return;
+  step.status = TrackingStatus::kOk;
+  step.diagnostics.overlap = 1.0;
+  insert_keyframe(scanned, step);
+  state_.last_scans.remember(without_moving_objects(scanned.measurement, scanned.frame), state_.T_odom_mid, {});
+  FirstKeyframe first;
+  first.keyframe = std::move(step.keyframes.back());
+  step.keyframes.clear();
+  first.duration_s = scanned.motion.timing.duration_s;
+  if (options_.deskew && first.duration_s > 0.0) first.distorted = scanned.measurement;
+  state_.first = std::move(first);
+}
+
+void Tracker::expect(Scanned& scanned) {
+  MotionModel& motion = state_.motion;
+  if (scanned.motion.timing.gap) motion.forget_speed();
+  // A laser heard for the first time may look where no other did. Its half of a room fits another's after half a turn:
+  // the way so far says where it is.
+  scanned.new_laser = scanned.policy.place_new_laser_by_motion && !state_.last_scans.knows(scanned.measurement.laser) &&
+                      state_.untracked == 0 && !scanned.motion.timing.gap && scanned.frame.has_enough_points();
+  motion.learned.observe(work_.surface);
+  scanned.expected = motion.predict(map_, *scanned.frame.points, T_map_last(), scanned.motion, scanned.policy,
+                                    scanned.new_laser, options_);
+}
+
+Tracker::Solution Tracker::solve(Scanned& scanned) {
+  Solution solution;
+  const MotionPrediction& expected = scanned.expected;
+  PoseSolution& pose = solution.pose;
+  pose.prior = expected.prior;
+  pose.found.T_map_base = T_map_last() * expected.step;
+  if (scanned.new_laser) {
+    pose.found = register_points(map_, *scanned.frame.points, pose.prior.T_map_base, {}, pose.prior);
+    if (pose.found.overlap < options_.min_overlap) {
+      pose.found = {};
+      pose.found.T_map_base = pose.prior.T_map_base;
+    }
+  } else if (scanned.frame.has_enough_points()) {
+    PoseQuery query;
+    query.guess = pose.found.T_map_base;
+    query.prior = expected.prior;
+    query.learned = expected.learned;
+    query.last_scan = match_last_scan(scanned);
+    query.min_overlap = options_.min_overlap;
+    query.usual_score = state_.usual_score;
+    pose = solve_pose(map_, *scanned.frame.points, query, scanned.policy);
+    if (pose.found.overlap >= options_.min_overlap)
+      state_.usual_score = kMemory * state_.usual_score + (1.0 - kMemory) * pose.score;
+    const MotionInput& motion = scanned.motion;
+    if (options_.deskew && motion.timing.duration_s > 0.0 && motion.seconds > 0.0) solve_deskewed(scanned, solution);
+  }
+  return solution;
+}
+
+std::optional<LastScanMatch> Tracker::match_last_scan(const Scanned& scanned) {
+  const RangeMeasurement& measurement = scanned.measurement;
+  const std::optional<ScanToScan::Found> found =
+      scan_to_scan_.find(state_.last_scans, without_moving_objects(measurement, scanned.frame), scanned.motion.twist);
+  if (!found) return std::nullopt;
+  // Where the scan's points are expressed, seen from its stamp.
+  const Twist2 used = options_.deskew ? scanned.motion.twist : Twist2{};
+  const Pose2 T_stamp_mid = exp_twist(used, middle_of_turn_s(measurement.scan, scanned.motion.timing.duration_s));
+  const Pose2& T_odom_map = map_.T_world_map();
+  return LastScanMatch{T_odom_map.inverse() * (found->T_odom_base * T_stamp_mid),
+                       rotate_information(found->covariance, -T_odom_map.theta), found->usable, found->certain};
+}
+
+void Tracker::solve_deskewed(Scanned& scanned, Solution& solution) {
+  Registration& found = solution.pose.found;
+  const double duration_s = scanned.motion.timing.duration_s, seconds = scanned.motion.seconds;
+  const auto twist_found = [&] { return mean_twist(T_map_last().inverse() * found.T_map_base, seconds); };
+  // The motion found says how the scan was distorted: once more, deskewed.
+  const Twist2 now = twist_found(), &used = scanned.motion.twist;
+  const double change = std::hypot(now.vx - used.vx, now.vy - used.vy) + 2.0 * std::abs(now.omega - used.omega);
+  if (change * duration_s > kDistortionM) {
+    scanned.frame = frame_of(scanned.measurement, now, duration_s, scanned.policy);
+    RegistrationOptions again;
+    again.gate_start_m = kDeskewedGateM;
+    found = register_points(map_, *scanned.frame.points, found.T_map_base, again, solution.pose.prior);
+  }
+  if (state_.first && state_.first->distorted && found.overlap >= options_.min_overlap) {
+    deskew_first(twist_found(), scanned.policy);
+    solution.first_deskewed = true;
+    found = register_points(map_, *scanned.frame.points, found.T_map_base, {}, solution.pose.prior);
+  }
+}
+
+void Tracker::deskew_first(const Twist2& twist, const SearchPolicy& policy) {
+  const FirstKeyframe& first = *state_.first;
+  const Frame frame = frame_of(*first.distorted, twist, first.duration_s, policy);
+  // The first scan stands with its stamp at the origin, as all others stand with theirs.
+  state_.T_odom_mid = exp_twist(twist, middle_of_turn_s(first.distorted->scan, first.duration_s));
+  state_.window.front() = {frame.all_points, state_.T_odom_mid};
+  TrackedKeyframe& keyframe = state_.first->keyframe;
+  keyframe.points = frame.points;
+  keyframe.T_odom_base = state_.T_odom_mid;
+  keyframe.T_mid_stamp = state_.T_odom_mid.inverse();
+  rebuild_map();
+}
+
+bool Tracker::is_matched(const Scanned& scanned, const PoseSolution& pose) {
+  const Registration& found = pose.found;
+  if (scanned.motion.timing.gap &&
+      pose_score(map_, *scanned.frame.points, found.T_map_base) < kAfterGapShare * state_.usual_score) {
+    // The robot may have been carried anywhere meanwhile; rooms look alike enough for a match to be found in any.
+    state_.untracked = options_.lost_after_scans;
+    return false;
+  }
+  return scanned.new_laser || found.overlap >= options_.min_overlap;
+}
+
+Pose2 Tracker::correct(const Scanned& scanned, const PoseSolution& pose, TrackerStep& step) {
+  const MotionUpdate update =
+      state_.motion.fuse(pose.found, pose.prior, T_map_last().inverse() * pose.found.T_map_base, scanned.motion);
+  state_.motion.correct(update, scanned.expected.score, scanned.motion);
+  state_.since_keyframe = grow_covariance(state_.since_keyframe, update);
+  state_.untracked = 0;
+  step.diagnostics.wheels = update.wheels;
+  step.status = status_of(step.diagnostics, determines_position(update.seen), options_.min_overlap);
+  return update.moved;
+}
+
+Pose2 Tracker::coast(const Scanned& scanned, TrackerStep& step) {
+  ++state_.untracked;
+  state_.since_keyframe += unknown_step_covariance();
+  step.status = TrackingStatus::kLost;
+  return state_.motion.step_without_match(scanned.expected.step, scanned.motion);
+}
+
+void Tracker::move(const Scanned& scanned, const Pose2& moved, TrackerStep& step) {
+  const Pose2 T_odom_before = state_.T_odom_mid;
+  Pose2& T_odom_mid = state_.T_odom_mid;
+  const MotionInput& motion = scanned.motion;
+  T_odom_mid = T_odom_before * moved;
+  state_.motion.set_twist(moved, motion);
+  if (options_.standstill_lock && step.tracked()) {
+    T_odom_mid = zero_velocity_update(T_odom_mid, state_.standstill);
+  } else {
+    state_.standstill.count = 0;
+  }
+  step.T_odom_mid = T_odom_mid;
+  step.twist = state_.motion.twist;
+  step.information = state_.since_keyframe.inverse();
+  step.covariance =
+      chain_covariance(state_.window.back().T_odom_base, state_.keyframe_covariance, T_odom_mid, state_.since_keyframe);
+  // The stamp lies half a turn before the middle, between the last middle and this one where turns follow each other
+  // closely; behind it where beams are listed last to first.
+  const double duration_s = motion.timing.duration_s;
+  step.T_odom_stamp = T_odom_mid;
+  if (duration_s > 0.0 && motion.seconds > 0.0) {
+    const double back = std::clamp(middle_of_turn_s(scanned.measurement.scan, duration_s) / motion.seconds, -1.0, 1.0);
+    step.T_odom_stamp = T_odom_before * scale_motion(T_odom_before.inverse() * T_odom_mid, 1.0 - back);
+  }
+}
+
+void Tracker::remember(const Scanned& scanned, TrackerStep& step) {
+  const bool enough = scanned.frame.has_enough_points();
+  const bool lost = !step.tracked() && enough && state_.untracked >= scanned.policy.lost_after_scans;
+  if (lost) {
+    // Nothing but the prediction ties what comes to what was.
+    step.diagnostics.new_segment = true;
+    state_.window.clear();
+    state_.last_scans.forget();
+    state_.untracked = 0;
+  }
+  if (step.tracked() || lost) {
+    state_.last_scans.remember(without_moving_objects(scanned.measurement, scanned.frame), step.T_odom_stamp,
+                               step.twist);
+  }
+  if (lost || (step.tracked() && enough && wants_keyframe(scanned, step))) insert_keyframe(scanned, step);
+}
+
+bool Tracker::wants_keyframe(const Scanned& scanned, const TrackerStep& step) const {
+  const Pose2 since = state_.window.back().T_odom_base.inverse() * state_.T_odom_mid;
+  const double share = std::hypot(since.x, since.y) / options_.keyframe_distance_m +
+                       std::abs(since.theta) / deg_to_rad(options_.keyframe_angle_deg);
+  // What was driven unseen is corrected between keyframes: they must stand close there, however far it seemed.
+  const bool uncertain = largest_deviation(step.information) > kUncertainM;
+  const bool little_known = step.diagnostics.overlap < kLowOverlap && share > kLeastShare;
+  return share > 1.0 || little_known || uncertain || scanned.new_laser;
+}
+
+void Tracker::insert_keyframe(const Scanned& scanned, TrackerStep& step) {
+  step.keyframe = true;
+  TrackedKeyframe keyframe;
+  keyframe.scan = state_.scans;
+  keyframe.stamp = step.stamp;
+  keyframe.T_odom_base = step.T_odom_mid;
+  keyframe.T_mid_stamp = step.T_odom_mid.inverse() * step.T_odom_stamp;
+  keyframe.points = scanned.frame.points;
+  keyframe.information = step.information;
+  keyframe.new_segment = step.diagnostics.new_segment;
+  keyframe.laser = scanned.measurement.laser;
+  keyframe.T_base_laser = scanned.measurement.T_base_laser;
+  keyframe.twist = step.twist;
+  step.keyframes.push_back(std::move(keyframe));
+  state_.keyframe_covariance = step.covariance;
+  state_.since_keyframe.setZero();
+  state_.window.push_back({scanned.frame.all_points, state_.T_odom_mid});
+  while (state_.window.size() > static_cast<std::size_t>(options_.window_keyframes))
+    state_.window.erase(state_.window.begin());
+  rebuild_map();
+}
+
+void Tracker::emit_first(bool deskewed, TrackerStep& step) {
+  TrackedKeyframe first = std::move(state_.first->keyframe);
+  if (deskewed) first.twist = step.twist;  // near enough to what its scan was deskewed with
+  step.keyframes.insert(step.keyframes.begin(), std::move(first));
+  state_.first.reset();
+}
+
+void Tracker::rebuild_map() {
+  map_.reset(state_.window.back().T_odom_base, options_.map_range_m + kMapMarginM, options_.cell_m);
+  for (const WindowKeyframe& keyframe : state_.window) map_.add(*keyframe.points, keyframe.T_odom_base);
+  map_.finish();
+}
+
+}  // namespace phasescan

@@ -1,0 +1,89 @@
+/// The tracker: from scans to poses and keyframes. `Odometry` and `Slam` are made of it.
+///
+/// A scan goes through these stages, each in a file of its own:
+///  1. scan_clock, motion_model   time and wheels since the last scan; what rules apply (search_policy)
+///  2. frame                      surface, points at mid-scan, those that are static
+///  3. motion_model               what pose is expected
+///  4. scan_to_scan, pose_solver  the pose on the local map; once more with the scan deskewed by the motion found
+///  5. motion_model               fused with expectation and wheels, learned from
+///  6. tracker                    zero-velocity update, keyframes, the map
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "odometry/frame.hpp"
+#include "odometry/local_map.hpp"
+#include "odometry/pose_solver.hpp"
+#include "odometry/scan_to_scan.hpp"
+#include "odometry/state.hpp"
+#include "phasescan/odometry/odometry.hpp"
+#include "phasescan/odometry/options.hpp"
+
+namespace phasescan {
+
+/// What one scan brought. Poses of the base; "mid" is the middle of the scan's turn, "stamp" its first beam.
+struct TrackerStep {
+  Stamp stamp = 0;
+  TrackingStatus status = TrackingStatus::kInitialising;
+  Pose2 T_odom_mid;                                       ///< what was matched
+  Pose2 T_odom_stamp;                                     ///< the same at the scan's stamp
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();   ///< of (x, y, theta) of the pose along the axes of odom
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of the pose relative to the last keyframe, frame of base
+  Twist2 twist;                                           ///< of the base [m/s, rad/s], 0 where time is unknown
+  bool keyframe = false;                                  ///< the scan became part of the local map
+  TrackingDiagnostics diagnostics;
+  /// Final, in order. The keyframe of the first scan comes with the second one, others with their own scan.
+  std::vector<TrackedKeyframe> keyframes;
+
+  bool tracked() const { return is_tracked(status); }
+};
+
+/// Deterministic; bounded work and memory per scan. The state is all it knows: a tracker made from a copy goes on with
+/// the same bytes.
+class Tracker {
+ public:
+  /// @throws std::invalid_argument naming the option out of bounds.
+  explicit Tracker(const OdometryOptions& options = {}, OdometryState state = {});
+
+  /// The next scan, of any laser of the robot.
+  TrackerStep add(const RangeMeasurement& measurement);
+  /// The keyframe of a log of one scan, where no second came.
+  std::vector<TrackedKeyframe> finish();
+
+  const OdometryState& state() const { return state_; }
+  const LocalMap& map() const { return map_; }
+
+ private:
+  struct Scanned;   // one scan and what was told of it before the match
+  struct Solution;  // its pose on the map
+  Scanned begin(const RangeMeasurement& measurement);
+  Frame frame_of(const RangeMeasurement& measurement, const Twist2& twist, double duration_s,
+                 const SearchPolicy& policy);
+  void start(const Scanned& scanned, TrackerStep& step);
+  void expect(Scanned& scanned);
+  Solution solve(Scanned& scanned);
+  std::optional<LastScanMatch> match_last_scan(const Scanned& scanned);
+  void solve_deskewed(Scanned& scanned, Solution& solution);
+  void deskew_first(const Twist2& twist, const SearchPolicy& policy);
+  bool is_matched(const Scanned& scanned, const PoseSolution& pose);
+  Pose2 correct(const Scanned& scanned, const PoseSolution& pose, TrackerStep& step);
+  Pose2 coast(const Scanned& scanned, TrackerStep& step);
+  void move(const Scanned& scanned, const Pose2& moved, TrackerStep& step);
+  void remember(const Scanned& scanned, TrackerStep& step);
+  bool wants_keyframe(const Scanned& scanned, const TrackerStep& step) const;
+  void insert_keyframe(const Scanned& scanned, TrackerStep& step);
+  void emit_first(bool deskewed, TrackerStep& step);
+  void rebuild_map();
+  Pose2 T_map_last() const { return map_.T_world_map().inverse() * state_.T_odom_mid; }
+
+  OdometryOptions options_;
+  OdometryState state_;
+  // What follows is made from the state, or buffers.
+  LocalMap map_;
+  ScanToScan scan_to_scan_;
+  FrameWorkspace work_;
+};
+
+}  // namespace phasescan
