@@ -66,7 +66,7 @@ TrackerStep Slam::add(const RangeMeasurement& measurement) {
 void Slam::take(std::vector<TrackedKeyframe> keyframes) {
   for (TrackedKeyframe& tracked : keyframes) {
     Keyframe keyframe;
-    keyframe.points = std::move(tracked.points);
+    keyframe.points = std::make_shared<const KeyframePoints>(*tracked.points);
     keyframe.T_odom_base = tracked.T_odom_base;
     keyframe.information = tracked.information;
     keyframe.new_segment = tracked.new_segment;
@@ -78,7 +78,7 @@ void Slam::take(std::vector<TrackedKeyframe> keyframes) {
     keyframe.stored = std::move(keyframe_scans_.front().stored);
     keyframe.own_scan = std::move(keyframe_scans_.front().own);
     keyframe_scans_.pop_front();
-    const MapPoints& points = *keyframe.points;
+    const MapPoints& points = *tracked.points;
     for (std::size_t i = 0; i < points.size(); ++i) keyframe.centre += Eigen::Vector2d(points.x[i], points.y[i]);
     if (points.size() > 0) keyframe.centre /= static_cast<double>(points.size());
     // The first one comes with the second scan, and stands elsewhere than its own scan's answer said: it was deskewed.
