@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "command_list.hpp"
 #include "commands.hpp"
@@ -106,6 +107,15 @@ void feed(JudgedLog& log, Slam& slam, SlamRecording* recording, const SlamFlags&
   run.complete = false;
 }
 
+/// Sections of the configuration that this command has no use for: said, not passed over.
+void warn_of_unread_sections(const Config& config, const std::string& file) {
+  std::set<std::string> read{"match", "global"};
+  SlamOptions::visit_sections(config.slam, [&](std::string_view name, const auto&) { read.emplace(name); });
+  for (const std::string& section : config.sections_set) {
+    if (!read.contains(section)) warn(file + ": section " + quote_text(section) + " is not read by slam");
+  }
+}
+
 /// What was assumed of the log's odometry, once it is read.
 void note_odometry(const OdometrySource& source, const SlamFlags& flags, SlamRun& run) {
   run.odometry_assumed = flags.odometry == "none"              ? "not used, as asked for"
@@ -144,6 +154,7 @@ int report_run(const LogReader& reader, const SlamResult& result, const SlamFlag
 int run_slam(const SlamFlags& flags) {
   const double cpu = process_cpu_seconds(), wall = wall_seconds();
   const Config config = config_from(flags.common);
+  warn_of_unread_sections(config, flags.common.config);
   SlamRun run;
   run.log = flags.log;
   run.times = !flags.common.no_times;
