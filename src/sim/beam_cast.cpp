@@ -7,13 +7,9 @@ namespace phasescan::sim {
 
 using Eigen::Vector2d;
 
-namespace {
-
 Vector2d unit(double angle) {
   return {std::cos(angle), std::sin(angle)};
 }
-
-}  // namespace
 
 BeamRay beam_ray(const LidarOptions& lidar, const Pose2& pose, double angle) {
   const SensorEffects& effects = lidar.effects;

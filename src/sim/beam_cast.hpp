@@ -11,6 +11,9 @@
 
 namespace phasescan::sim {
 
+/// The unit vector in a direction [rad].
+Eigen::Vector2d unit(double angle);
+
 /// What one beam looks along: an azimuth in the world and, where the sensor is tilted, how its range differs from that
 /// of its shadow on the floor.
 struct BeamRay {

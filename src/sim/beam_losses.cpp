@@ -4,14 +4,12 @@
 #include <cmath>
 #include <cstdint>
 
+#include "sim/beam_cast.hpp"
+
 namespace phasescan::sim {
 namespace {
 
 using Eigen::Vector2d;
-
-Vector2d unit(double angle) {
-  return {std::cos(angle), std::sin(angle)};
-}
 
 /// A number in [0, 1) that belongs to the patch of surface at a place, for question `which`.
 double patch_number(const Vector2d& place, double patch_m, std::uint64_t which) {

@@ -13,10 +13,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-Vector2d unit(double angle) {
-  return {std::cos(angle), std::sin(angle)};
-}
-
 /// A mixed pixel: where the two rims of a beam meet surfaces at different ranges the sensor says one, or something
 /// between.
 double mix_rims(const Surroundings& around, const LidarOptions& lidar, const Pose2& pose, double angle, double range,
