@@ -166,8 +166,7 @@ bool is_s_lines(const LogInput& input) {
 }  // namespace
 
 LogFormat ultra_simple_format() {
-  return {"ultra_simple", is_ultra_simple,
-          [](LogInput& input, const LogOptions&) -> std::unique_ptr<LogReader> {
+  return {"ultra_simple", is_ultra_simple, [](LogInput& input, const LogOptions&) -> std::unique_ptr<LogReader> {
             return std::make_unique<UltraSimpleReader>(input);
           }};
 }

@@ -21,8 +21,8 @@ using test::run_command;
 using test::slurp;
 using test::TempFolder;
 using ::testing::HasSubstr;
-using ::testing::Not;
 using testing::lines_of;
+using ::testing::Not;
 using testing::toy_log;
 using testing::ToyLog;
 
