@@ -83,7 +83,7 @@ TEST(Recovery, DropoutByRangeAndItsMemory) {
       lidar.effects.dropout_ranges_m = {0.5, 4.0};
       lidar.effects.dropout_shares = {0.05, 0.4};
       lidar.effects.dropout_memory = memory;
-      const auto got = calibrate(stops_log(lidar, {.stops = 40, .scans = 25, .seed = seed}));
+      const auto got = calibrate(stops_log(lidar, {.stops = 30, .scans = 25, .seed = seed}));
       ASSERT_TRUE(got);
       const auto& effects = got->sensor.effects;
       EXPECT_NEAR(effects.dropout_memory, memory, 0.06) << seed;
