@@ -31,7 +31,7 @@ std::vector<BeamSpread> beam_spreads(const StopBeams& stop, const ScanTurns& tur
       n += 1.0;
     }
     if (n < 5.0) continue;
-    out.push_back({beam.range, beam.slope * beam.slope, std::max(0.0, (sum2 - sum * sum / n) / (n - 1.0)), n - 1.0});
+    out.push_back({beam.range, beam.slope2, std::max(0.0, (sum2 - sum * sum / n) / (n - 1.0)), n - 1.0});
   }
   std::sort(out.begin(), out.end(), [](const BeamSpread& a, const BeamSpread& b) { return a.range < b.range; });
   return out;
@@ -41,7 +41,7 @@ std::vector<BeamSpread> beam_spreads(const StopBeams& stop, const ScanTurns& tur
 /// few beams of every stop see two surfaces or somebody's leg.
 void fit_curve(std::span<const BeamSpread> spreads, std::span<const std::size_t> bins, NoiseFit& fit) {
   constexpr int kRounds = 60;
-  constexpr double kFar = 3.0;
+  constexpr double kFar = 2.0;
   std::vector<double> variances(bins.size() - 1, 1e-4);
   double jitter = 0.06;
   for (int round = 0; round < kRounds; ++round) {
@@ -92,7 +92,10 @@ void fit_turn(std::span<const ScanTurns> all, NoiseFit& fit) {
     freedom += n - 1.0;
   }
   fit.turns = static_cast<std::size_t>(count);
-  fit.turn_variance = freedom > 0.0 ? std::max(0.0, squares / freedom - own / count) : 0.0;
+  if (freedom <= 0.0) return;
+  // What is left must be more than chance makes of so many turns.
+  const double seen = squares / freedom, left = seen - own / count;
+  fit.turn_variance = left > 2.0 * seen * std::sqrt(2.0 / freedom) ? left : 0.0;
 }
 
 /// Correlation of the direction errors of beams some steps apart, for 1 to kLags steps.

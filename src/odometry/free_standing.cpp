@@ -129,11 +129,10 @@ void StaticObjectFilter::find(const std::vector<FreeStandingHit>& hits, const st
       out[i] = out[first];  // final: its turn was before
       continue;
     }
-    for (int k = 0; k < 9 && !out[i]; ++k) {
-      const float x = hits[i].x + static_cast<float>(k % 3 - 1) * kSameObjectM,
-                  y = hits[i].y + static_cast<float>(k / 3 - 1) * kSameObjectM;
-      for (std::int32_t j = heads_[bucket_of(cell_of(x), cell_of(y)) & (size - 1)]; j >= 0;
-           j = next_[static_cast<std::size_t>(j)]) {
+    for (const int k : {4, 1, 3, 5, 7, 0, 2, 6, 8}) {  // its own cell first
+      if (out[i]) break;
+      const std::int32_t u = cells_[i].u + k % 3 - 1, v = cells_[i].v + k / 3 - 1;
+      for (std::int32_t j = heads_[bucket_of(u, v) & (size - 1)]; j >= 0; j = next_[static_cast<std::size_t>(j)]) {
         if (!meets(hits[i], hits[static_cast<std::size_t>(j)])) continue;
         out[i] = 1;
         break;

@@ -22,6 +22,7 @@ using test::slurp;
 using test::TempFolder;
 using ::testing::HasSubstr;
 using testing::lines_of;
+using ::testing::Not;
 using testing::toy_log;
 using testing::ToyLog;
 
@@ -77,6 +78,18 @@ TEST(SlamCommand, SameBytesWhateverTheThreads) {
     EXPECT_EQ(slurp(one / "out/" + file), slurp(two / "out/" + file)) << file;
   }
   EXPECT_EQ(slurp(one / "out/timing.json"), "");
+}
+
+TEST(SlamCommand, SectionsThatItDoesNotReadAreNamed) {
+  const TempFolder one, two;
+  const std::string log = toy_log(60).flaser;
+  two.put("options.yaml", "match: {min_confidence: 1.0}\nmh: {candidates: 1}\nicp: {max_iterations: 5}\n");
+  ASSERT_EQ(slam(one, log).code, 0);
+  const auto result = slam(two, log, {"--config", two / "options.yaml"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("section 'icp' is not read by slam"));
+  EXPECT_THAT(result.err, Not(HasSubstr("'match'")));
+  EXPECT_THAT(result.err, Not(HasSubstr("'global'")));
 }
 
 TEST(SlamCommand, ScansJsonlHasALinePerScanWithStatusPosesAndCovariance) {

@@ -83,7 +83,7 @@ TEST(Recovery, DropoutByRangeAndItsMemory) {
       lidar.effects.dropout_ranges_m = {0.5, 4.0};
       lidar.effects.dropout_shares = {0.05, 0.4};
       lidar.effects.dropout_memory = memory;
-      const auto got = calibrate(stops_log(lidar, {.stops = 40, .scans = 25, .seed = seed}));
+      const auto got = calibrate(stops_log(lidar, {.stops = 30, .scans = 25, .seed = seed}));
       ASSERT_TRUE(got);
       const auto& effects = got->sensor.effects;
       EXPECT_NEAR(effects.dropout_memory, memory, 0.06) << seed;
@@ -119,6 +119,16 @@ TEST(Recovery, EdgesThatAnswerNothing) {
     if (loss > 0.0) {
       EXPECT_NEAR(got->sensor.effects.edge_width_deg, 2.0, 0.5);
     }
+  }
+}
+
+TEST(Recovery, MixedPixels) {
+  for (const double mixed : {0.0, 0.3, 0.8}) {
+    sim::LidarOptions lidar = plain_lidar();
+    lidar.mixed_pixels = mixed;
+    const auto got = calibrate(stops_log(lidar, {.stops = 40}));
+    ASSERT_TRUE(got);
+    EXPECT_NEAR(got->sensor.mixed_pixels, mixed, 0.35 * mixed + 0.02);
   }
 }
 

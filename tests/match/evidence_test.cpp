@@ -15,7 +15,8 @@ namespace {
 using test::prepared;
 
 // What `other` says of every hit of `mine`, one hit at a time.
-void plain_one_way(const PreparedScan& other, const PreparedScan& mine, const Pose2& T, float slack, PoseEvidence& sum) {
+void plain_one_way(const PreparedScan& other, const PreparedScan& mine, const Pose2& T, float slack,
+                   PoseEvidence& sum) {
   const SurfacePoints& ref = other.surface;
   for (std::size_t i = 0; i < mine.size(); ++i) {
     const SurfacePoint& from = mine.surface[i];
