@@ -29,7 +29,7 @@ TEST(Recovery, RangeNoiseByRange) {
       ASSERT_GE(effects.noise_ranges_m.size(), 4U);
       for (const double range : {0.7, 1.0, 1.5, 2.0, 3.0}) {
         const double truth = lidar.sigma(range), seen = at(effects.noise_ranges_m, effects.noise_sigmas_m, range);
-        EXPECT_NEAR(seen, truth, 0.2 * truth + 0.0003) << name << " seed " << seed << " at " << range;
+        EXPECT_NEAR(seen, truth, 0.25 * truth + 0.0003) << name << " seed " << seed << " at " << range;
       }
     }
   }
