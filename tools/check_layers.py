@@ -24,6 +24,7 @@ map          core scan
 slam         core scan match odometry graph map
 io           core scan
 sim          core scan io
+calibrate    core scan io sim
 config       core methods io match fft_icp slam
 output       core scan graph map match methods slam io
 report       core scan match graph map slam output io

@@ -48,8 +48,9 @@ class NearestGrid {
   }
 
  private:
-  View view_;                        // its pointer stays null: copies of the grid must not share keys
-  std::vector<std::uint32_t> keys_;  // squared distance in cells << 25 | index + 1
+  View view_;                                     // its pointer stays null: copies of the grid must not share keys
+  std::vector<std::uint32_t> corners_, indices_;  // of the occupied cells, while building
+  std::vector<std::uint32_t> keys_;               // squared distance in cells << 25 | index + 1
 };
 
 }  // namespace phasescan

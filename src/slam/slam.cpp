@@ -6,7 +6,7 @@
 #include <span>
 
 #include "core/motion.hpp"
-#include "slam/polish.hpp"
+#include "slam/trajectory_refinement.hpp"
 
 namespace phasescan {
 
@@ -44,11 +44,14 @@ TrackerStep Slam::add(const RangeMeasurement& measurement) {
   const Scan& scan = measurement.scan;
   backend_cpu_s_ = 0.0;
   TrackerStep step = tracker_.add(measurement);
+  std::shared_ptr<const StoredScan> stored;
+  if (!options_.slam.bounded_memory && (step.keyframe || options_.slam.polish))
+    stored = store_.stored(store_.add(scan, measurement.T_base_laser));
   if (step.keyframe) {
     if (step.diagnostics.new_segment) breaks_.push_back(keyframes_);
     std::shared_ptr<const Scan> own;
     if (options_.slam.bounded_memory) own = std::make_shared<const Scan>(scan);
-    keyframe_scans_.push_back({static_cast<std::int64_t>(records_.size()), store_.size(), std::move(own)});
+    keyframe_scans_.push_back({static_cast<std::int64_t>(records_.size()), std::move(stored), std::move(own)});
     T_odom_keyframe_ = step.T_odom_mid;
     ++keyframes_;
   }
@@ -56,8 +59,6 @@ TrackerStep Slam::add(const RangeMeasurement& measurement) {
   const Pose2 relative = T_odom_keyframe_.inverse() * step.T_odom_stamp;
   records_.push_back({scan.stamp, keyframes_ - 1, static_cast<float>(relative.x), static_cast<float>(relative.y),
                       static_cast<float>(relative.theta)});
-  if (!options_.slam.bounded_memory && (step.keyframe || options_.slam.polish))
-    store_.add(scan, measurement.T_base_laser);
   if (batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
   return step;
 }
@@ -74,7 +75,7 @@ void Slam::take(std::vector<TrackedKeyframe> keyframes) {
     keyframe.twist = tracked.twist;
     keyframe.T_mid_stamp = tracked.T_mid_stamp;
     keyframe.scan = keyframe_scans_.front().scan;
-    keyframe.stored = keyframe_scans_.front().stored;
+    keyframe.stored = std::move(keyframe_scans_.front().stored);
     keyframe.own_scan = std::move(keyframe_scans_.front().own);
     keyframe_scans_.pop_front();
     const MapPoints& points = *keyframe.points;
@@ -119,19 +120,19 @@ void Slam::finish() {
   worker_->get();
   backend_->finish();
   if (options_.slam.polish && !options_.slam.bounded_memory && !records_.empty()) {
-    polished_ = polish_trajectory(*backend_, store_, trajectory(), records_, options_.odometry);
+    polished_ = refine_trajectory(*backend_, store_, trajectory(), records_, options_.odometry);
   }
 }
 
 std::vector<Pose2> Slam::trajectory() const {
   if (!records_.empty() && polished_.size() == records_.size()) return polished_;
-  return anchored(backend().handed_in_poses());
+  return anchored(backend().submitted_poses());
 }
 
 std::optional<Pose2> Slam::pose_on_map(std::size_t scan) const {
   const ScanRecord& r = records_.at(scan);
-  if (r.keyframe < 0 || static_cast<std::size_t>(r.keyframe) >= backend().handed_in()) return std::nullopt;
-  return backend().handed_in_pose(static_cast<std::size_t>(r.keyframe)) *
+  if (r.keyframe < 0 || static_cast<std::size_t>(r.keyframe) >= backend().submitted()) return std::nullopt;
+  return backend().submitted_pose(static_cast<std::size_t>(r.keyframe)) *
          Pose2{static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.theta)};
 }
 
@@ -141,7 +142,7 @@ PlacedScan Slam::placed_keyframe(std::size_t i) const {
   const Pose2 T_map_stamp =
       polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend().poses()[i] * keyframe.T_mid_stamp;
   PlacedScan placed;
-  placed.scan = keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored);
+  placed.scan = keyframe.scan_data();
   placed.T_map_laser = T_map_stamp * keyframe.T_base_laser;
   placed.twist = options_.odometry.deskew ? twist_of_frame(keyframe.T_base_laser, keyframe.twist) : Twist2{};
   return placed;
@@ -163,7 +164,7 @@ std::vector<char> Slam::on_map() const {
   const MapPieces pieces = map.pieces();
   for (std::size_t i = 0; i < on.size(); ++i) {
     const auto k = static_cast<std::size_t>(records_[i].keyframe);
-    if (records_[i].keyframe < 0 || k >= map.handed_in()) continue;
+    if (records_[i].keyframe < 0 || k >= map.submitted()) continue;
     on[i] = pieces.in_largest(static_cast<std::size_t>(map.node_of(k)));
   }
   return on;
@@ -201,13 +202,13 @@ std::vector<GlassPane> Slam::find_glass_panes(const OccupancyGrid& grid) const {
 }
 
 std::vector<Pose2> Slam::odometry_trajectory() const {
-  return anchored(backend().handed_in_poses(true));
+  return anchored(backend().submitted_poses(true));
 }
 
 std::vector<Pose2> Slam::anchored(const std::vector<Pose2>& keyframe_poses) const {
   std::vector<Pose2> out;
   out.reserve(records_.size());
-  const std::vector<Pose2> odometry = backend().handed_in_poses(true);
+  const std::vector<Pose2> odometry = backend().submitted_poses(true);
   std::size_t begin = 0;
   while (begin < records_.size()) {
     const std::int32_t keyframe = records_[begin].keyframe;

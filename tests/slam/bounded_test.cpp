@@ -65,9 +65,9 @@ Outcome map_of(const Drive& drive) {
   }
   backend.finish();
   out.nodes = backend.keyframes().size();
-  EXPECT_EQ(backend.handed_in(), drive.keyframes.size());
-  for (std::size_t i = 0; i < backend.handed_in(); ++i) {
-    out.last_m = translation_distance(backend.handed_in_pose(i), drive.truth[i]);
+  EXPECT_EQ(backend.submitted(), drive.keyframes.size());
+  for (std::size_t i = 0; i < backend.submitted(); ++i) {
+    out.last_m = translation_distance(backend.submitted_pose(i), drive.truth[i]);
     out.far_off += out.last_m > 0.2;
   }
   return out;

@@ -130,33 +130,5 @@ TEST(BrokenLogs, AScanEveryHalfMetreIsEnough) {
   EXPECT_LT(sum / static_cast<double>(seeds.size()), 0.2);
 }
 
-TEST(MapPieces, BreaksThatNoLoopBridges) {
-  std::vector<Keyframe> keyframes(6);
-  keyframes[2].new_segment = keyframes[4].new_segment = true;
-  PoseGraph graph;
-  for (int k = 0; k < 6; ++k) {
-    graph.add_node({});
-    if (k == 0) continue;
-    PoseEdge edge;
-    edge.from = k - 1;
-    edge.to = k;
-    graph.add_edge(edge);
-  }
-  EXPECT_EQ(find_pieces(keyframes, graph).of_node, (std::vector<int>{0, 0, 1, 1, 2, 2}));
-  PoseEdge loop;
-  loop.from = 3;
-  loop.to = 5;
-  loop.robust = true;
-  graph.add_edge(loop);
-  const MapPieces tied = find_pieces(keyframes, graph);
-  EXPECT_EQ(tied.count, 2);
-  EXPECT_EQ(tied.largest, 1);
-  EXPECT_FALSE(tied.in_largest(0));
-  EXPECT_TRUE(tied.in_largest(5));
-  graph.set_enabled(static_cast<int>(graph.edges().size()) - 1, false);
-  EXPECT_EQ(find_pieces(keyframes, graph).count, 3);
-  EXPECT_EQ(find_pieces({}, {}).count, 0);
-}
-
 }  // namespace
 }  // namespace phasescan

@@ -86,9 +86,9 @@ class Slam {
   std::vector<ScanRecord> records_;
   std::vector<Pose2> polished_;  // T_map_base at the stamp, when polish has run
   struct KeyframeScan {
-    std::int64_t scan = 0;            // its record
-    std::size_t stored = 0;           // its number in the store
-    std::shared_ptr<const Scan> own;  // in bounded-memory mode
+    std::int64_t scan = 0;                     // its record
+    std::shared_ptr<const StoredScan> stored;  // its scan
+    std::shared_ptr<const Scan> own;           // the same in bounded-memory mode
   };
   std::deque<KeyframeScan> keyframe_scans_;  // of keyframes that the tracker has not handed out yet
   std::vector<Keyframe> batch_;

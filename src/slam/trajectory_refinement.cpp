@@ -1,4 +1,4 @@
-#include "slam/polish.hpp"
+#include "slam/trajectory_refinement.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxKeyframes = 24;                  // that make the map of what is around one
 constexpr double kLeastPeriods = 0.3, kMostPeriods = 3.0;  // between two scans that tell of the motion during a turn
-constexpr double kMostM = 0.15, kMostRad = 0.06;           // a polish moves a pose less than this
+constexpr double kMostM = 0.15, kMostRad = 0.06;           // a refinement moves a pose less than this
 
 /// A message that was passed over because it is the one before once more.
 bool repeats(const ScanRecord& before, const ScanRecord& now) {
@@ -24,7 +24,7 @@ bool repeats(const ScanRecord& before, const ScanRecord& now) {
 
 }  // namespace
 
-std::vector<Pose2> polish_trajectory(const Backend& backend, const ScanStore& scans, std::span<const Pose2> guess,
+std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& scans, std::span<const Pose2> guess,
                                      std::span<const ScanRecord> records, const OdometryOptions& options) {
   std::vector<Pose2> out(guess.begin(), guess.end());
   LocalMap map;

@@ -17,7 +17,7 @@ struct ScanRecord;
 /// @param guess  pose of the base at each scan's stamp, on the map
 /// @return the same, better: a scan whose match moves it far, or does not succeed, keeps its pose
 /// @cost one registration per scan, one local map per keyframe
-std::vector<Pose2> polish_trajectory(const Backend& backend, const ScanStore& scans, std::span<const Pose2> guess,
+std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& scans, std::span<const Pose2> guess,
                                      std::span<const ScanRecord> records, const OdometryOptions& options);
 
 }  // namespace phasescan
