@@ -162,12 +162,13 @@ std::optional<Calibration> Calibrator::finish() {
   Calibration out;
   out.scans = stamps_.size();
   // Odometry that never rests (of a filter, say) finds no stop: then scans alone say.
-  out.by_wheels = with_odometry_ > 0 && !stops_by_wheels_.empty();
+  auto noise = with_odometry_ > 0 ? fit_noise(stops_by_wheels_) : std::nullopt;
+  out.by_wheels = noise.has_value();
   const std::vector<StopBeams>& stops = out.by_wheels ? stops_by_wheels_ : stops_by_scans_;
+  if (!noise) noise = fit_noise(stops);
+  if (!noise) return {};
   out.stops = stops.size();
   for (const StopBeams& stop : stops) out.stop_scans += stop.stop.size();
-  const auto noise = fit_noise(stops);
-  if (!noise) return {};
   out.noise = *noise;
   const Stop& grid = stops.front().stop;
   const double step_deg = std::abs(rad_to_deg(grid.step));

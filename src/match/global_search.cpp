@@ -127,8 +127,7 @@ void GlobalSearch::thin(const PreparedScan& reference, std::size_t most) {
   }
 }
 
-void GlobalSearch::refine_quickly(const PreparedScan& reference, const PreparedScan& scan,
-                                  Hypothesis& hypothesis) {
+void GlobalSearch::refine_quickly(const PreparedScan& reference, const PreparedScan& scan, Hypothesis& hypothesis) {
   PointToLineOptions quick;
   quick.gate_start_m = kQuickGateStart * reference.scale_m;
   quick.gate_end_m = kGateEnd * reference.scale_m;

@@ -180,7 +180,7 @@ Tracker::Solution Tracker::solve(Scanned& scanned) {
     query.guess = pose.found.T_map_base;
     query.prior = expected.prior;
     query.learned = expected.learned;
-    query.last_scan = match_last_scan(scanned);
+    query.match_last_scan = [&] { return match_last_scan(scanned); };
     query.min_overlap = options_.min_overlap;
     query.usual_score = state_.usual_score;
     pose = solve_pose(map_, *scanned.frame.points, query, scanned.policy);

@@ -10,6 +10,7 @@
 #include "odometry/local_map.hpp"
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/slam/options.hpp"
+#include "phasescan/slam/result.hpp"
 #include "slam/connectivity.hpp"
 #include "slam/graph_session.hpp"
 #include "slam/keyframe.hpp"
@@ -21,30 +22,6 @@
 #include "slam/place_search.hpp"
 
 namespace phasescan {
-
-/// How many loops there were.
-struct LoopCounts {
-  std::size_t compared = 0;               ///< pairs of visits that were matched
-  std::size_t places = 0;                 ///< found by what they look like, before they were compared
-  std::size_t found = 0;                  ///< matches good enough to be a loop
-  std::size_t accepted = 0;               ///< and not undone since
-  std::size_t undone = 0;                 ///< once accepted, taken out again because the graph contradicts them
-  std::size_t rejected_inconsistent = 0;  ///< too few others agreed with them
-  /// Loops of the graph now: at the end all keyframes meet their neighbours again, which is in none of the counts
-  /// above.
-  std::size_t in_graph = 0;
-
-  template <class Self, class Visitor>
-  static void visit(Self& self, Visitor&& v) {
-    v("compared", self.compared);
-    v("places", self.places);
-    v("found", self.found);
-    v("accepted", self.accepted);
-    v("undone", self.undone);
-    v("rejected_inconsistent", self.rejected_inconsistent);
-    v("in_graph", self.in_graph);
-  }
-};
 
 /// All that a back end knows between two batches. Plain values: a copy is a checkpoint. Local maps and the connectivity
 /// follow from it and are not part of it.

@@ -19,7 +19,8 @@ namespace phasescan {
 struct SnapshotNode {
   std::shared_ptr<const StoredScan> stored;
   std::shared_ptr<const Scan> own_scan;
-  Pose2 T_mid_stamp;  ///< the base at the scan's first beam, seen from mid-scan
+  std::int64_t id = 0;  ///< number of the scan in the run
+  Pose2 T_mid_stamp;    ///< the base at the scan's first beam, seen from mid-scan
   Pose2 T_base_laser;
   Twist2 twist;  ///< of the base during the turn
 

@@ -55,7 +55,8 @@ BoundedAdmission::MapMatch BoundedAdmission::match_map(const Keyframe& keyframe,
   }
   if (nearest < 0) return match;
   const LocalMap& map = surroundings(nearest, session);
-  const Registration found = register_points(map, *keyframe.points, map.T_world_map().inverse() * predicted);
+  keyframe.points->unpack(points_);
+  const Registration found = register_points(map, points_, map.T_world_map().inverse() * predicted);
   const Pose2 pose = map.T_world_map() * found.T_map_base;
   // A match that still moves by a millimetre after all its steps is as good as one that came to rest.
   if (translation_distance(pose, predicted) > options_.loops.small_error_m) return match;
@@ -153,12 +154,13 @@ Placement BoundedAdmission::attach_or_insert(Keyframe keyframe, const GraphSessi
 std::optional<RelocalisationCandidate> BoundedAdmission::recognise(const Keyframe& keyframe, const Pose2& predicted,
                                                                    const GraphSession& session, PlaceSearch& places) {
   std::optional<RelocalisationCandidate> best;
+  keyframe.points->unpack(points_);
   // What was added since the tracker was last sure of its place says nothing of that place.
   const std::size_t sure = lost() ? state_.sure_nodes : session.keyframes().size();
   for (const PlaceMatch& place : places.find(keyframe, session.keyframes(), session.poses(), sure)) {
     const Pose2 there = session.poses()[static_cast<std::size_t>(place.node)] * place.T_node_query;
     const LocalMap& map = surroundings(place.node, session);
-    const Registration found = register_points(map, *keyframe.points, map.T_world_map().inverse() * there);
+    const Registration found = register_points(map, points_, map.T_world_map().inverse() * there);
     if (found.overlap < kShownOverlap) continue;
     if (largest_deviation(kMatchTrust * found.information) > kKnownM) continue;
     const Pose2 pose = map.T_world_map() * found.T_map_base;

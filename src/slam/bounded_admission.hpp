@@ -64,6 +64,7 @@ class BoundedAdmission final : public KeyframeAdmission {
   SlamOptions options_;
   AdmissionState state_;
   std::deque<Decision> decided_;  // empty between keyframes
+  MapPoints points_;              // of the keyframe that is matched
   struct Surroundings {           // a cache: follows from the graph
     int node = -1;
     std::size_t nodes = 0;

@@ -6,15 +6,15 @@
 #include <memory>
 
 #include "phasescan/core/pose2.hpp"
-#include "odometry/map_points.hpp"
 #include "phasescan/scan/range_measurement.hpp"
+#include "slam/keyframe_points.hpp"
 #include "slam/scan_store.hpp"
 
 namespace phasescan {
 
 struct Keyframe {
-  std::shared_ptr<const MapPoints> points;  ///< in the frame of the base at mid-scan
-  Pose2 T_odom_base;                        ///< as laser odometry found it
+  std::shared_ptr<const KeyframePoints> points;  ///< in the frame of the base at mid-scan
+  Pose2 T_odom_base;                             ///< as laser odometry found it
   Eigen::Matrix3d information =
       Eigen::Matrix3d::Identity();           ///< of the step from the keyframe before, frame of the base
   bool new_segment = false;                  ///< nothing but a guess ties it to the keyframe before

@@ -85,9 +85,9 @@ std::optional<Loop> LoopCloser::compare(int other, int node, const Pose2& T_map_
   if (std::abs(anchor - node) <= kVisitNodes) return std::nullopt;
   const LocalMap& map = visit_maps_.around(anchor, session);
   ++state_.compared;
+  session.keyframes()[static_cast<std::size_t>(node)].points->unpack(points_);
   const std::optional<Registration> found =
-      match_visit(map, *session.keyframes()[static_cast<std::size_t>(node)].points,
-                  map.T_world_map().inverse() * T_map_node, uncertainty_m, options_.min_overlap);
+      match_visit(map, points_, map.T_world_map().inverse() * T_map_node, uncertainty_m, options_.min_overlap);
   if (!found) return std::nullopt;
   ++state_.found;
   Loop loop;

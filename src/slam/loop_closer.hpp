@@ -69,6 +69,7 @@ class LoopCloser {
   LoopCloserState state_;  // but for its consistency
   LoopConsistency consistency_;
   VisitMaps visit_maps_;
+  MapPoints points_;  // of the node that is compared
 };
 
 }  // namespace phasescan

@@ -31,13 +31,14 @@ double most_sigma(const Eigen::Matrix3d& covariance) {
 
 Scan view_at(std::span<const Keyframe> keyframes, std::span<const Pose2> poses, int node, int back) {
   std::vector<float> nearest(kBeams, 0.0F);
+  MapPoints points;
   const Pose2 T_node_world = poses[static_cast<std::size_t>(node)].inverse();
   for (int k = node; k >= std::max(0, node - back); --k) {
     const Keyframe& keyframe = keyframes[static_cast<std::size_t>(k)];
     const Pose2 T_node_k = T_node_world * poses[static_cast<std::size_t>(k)];
     const auto c = static_cast<float>(std::cos(T_node_k.theta)), s = static_cast<float>(std::sin(T_node_k.theta));
     const auto tx = static_cast<float>(T_node_k.x), ty = static_cast<float>(T_node_k.y);
-    const MapPoints& points = *keyframe.points;
+    keyframe.points->unpack(points);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const float x = c * points.x[i] - s * points.y[i] + tx, y = s * points.x[i] + c * points.y[i] + ty;
       const auto degrees = static_cast<int>(std::lround(rad_to_deg(std::atan2(y, x))));

@@ -38,8 +38,10 @@ const LocalMap& VisitMaps::around(int anchor, const GraphSession& session) {
   while (to < std::min(session.last_node(), anchor + kVisitNodes) &&
          !keyframes[static_cast<std::size_t>(to) + 1].new_segment)
     ++to;
-  for (int k = from; k <= to; ++k)
-    map.add(*keyframes[static_cast<std::size_t>(k)].points, poses[static_cast<std::size_t>(k)]);
+  for (int k = from; k <= to; ++k) {
+    keyframes[static_cast<std::size_t>(k)].points->unpack(points_);
+    map.add(points_, poses[static_cast<std::size_t>(k)]);
+  }
   map.finish();
   return map;
 }
@@ -62,8 +64,11 @@ void build_surroundings(const GraphSession& session, int node, double radius_m, 
   }
   std::sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   reset(map, here, options);
-  for (const auto& [far, k] : near)
-    map.add(*keyframes[static_cast<std::size_t>(k)].points, poses[static_cast<std::size_t>(k)]);
+  MapPoints points;
+  for (const auto& [far, k] : near) {
+    keyframes[static_cast<std::size_t>(k)].points->unpack(points);
+    map.add(points, poses[static_cast<std::size_t>(k)]);
+  }
   map.finish();
 }
 

@@ -31,6 +31,7 @@ class VisitMaps {
     std::unique_ptr<LocalMap> map;
   };
   std::vector<Entry> entries_;
+  MapPoints points_;  // of one keyframe
   std::size_t next_ = 0;
   std::uint64_t optimisations_ = 0;
 };

@@ -1,4 +1,4 @@
-#include "io/measurement.hpp"
+#include "phasescan/io/measurement.hpp"
 
 #include <gtest/gtest.h>
 

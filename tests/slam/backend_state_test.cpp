@@ -8,7 +8,7 @@
 namespace phasescan {
 namespace {
 
-using testing::state_bytes;
+using testing::to_bytes;
 using testing::toy_keyframes;
 using testing::toy_tour;
 using testing::two_rooms;

@@ -52,18 +52,15 @@ Outcome run(const Log& log) {
   Slam slam;
   Outcome out;
   for (const Scan& scan : log.scans) out.begun_anew += slam.add({scan}).diagnostics.new_segment;
-  slam.finish();
-  out.left_out = slam.scans_left_out();
-  const MapPieces pieces = slam.backend().pieces();
-  out.pieces = pieces.count;
-  const std::vector<Pose2> poses = slam.trajectory();
+  const SlamResult result = slam.finish();
+  out.left_out = result.scans_left_out();
+  out.pieces = result.pieces;
   AssociatedPoses all, drawn;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    all.estimate.push_back(poses[i]);
+  for (std::size_t i = 0; i < result.scans.size(); ++i) {
+    all.estimate.push_back(result.scans[i].T_map_base);
     all.reference.push_back(log.truth[i]);
-    const auto keyframe = static_cast<std::size_t>(std::max(0, slam.records()[i].keyframe));
-    if (!pieces.in_largest(static_cast<std::size_t>(slam.backend().node_of(keyframe)))) continue;
-    drawn.estimate.push_back(poses[i]);
+    if (!result.scans[i].on_map) continue;
+    drawn.estimate.push_back(result.scans[i].T_map_base);
     drawn.reference.push_back(log.truth[i]);
   }
   out.ate = error_stats(absolute_trajectory_errors(all));

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "phasescan/core/pose2.hpp"
+#include "phasescan/scan/scan.hpp"
 
 namespace phasescan::testing {
 
@@ -33,6 +34,7 @@ class StateWriter {
   }
   void write(const Pose2& p) { write(p.x), write(p.y), write(p.theta); }
   void write(const Twist2& t) { write(t.vx), write(t.vy), write(t.omega); }
+  void write(const Scan& s) { write(s.stamp), write(s.ranges), write(s.states), write(s.angles); }
   void write(const std::string& text) {
     write(text.size());
     bytes += text;

@@ -24,7 +24,7 @@ inline std::vector<Keyframe> toy_keyframes(const std::vector<Wall>& walls, const
     auto points = std::make_shared<MapPoints>();
     to_map_points(surface, {}, 40.0, *points);
     Keyframe keyframe;
-    keyframe.points = points;
+    keyframe.points = std::make_shared<const KeyframePoints>(*points);
     keyframe.T_odom_base = T_odom_of ? T_odom_of(i) : poses[i];
     keyframe.information = Eigen::Vector3d(1e4, 1e4, 1e5).asDiagonal();
     keyframe.scan = static_cast<std::int64_t>(i);
