@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "odometry/information.hpp"
+#include "scan/surface.hpp"
+#include "support/toy_world.hpp"
 
 namespace phasescan {
 namespace {
@@ -147,6 +149,53 @@ TEST(MotionModel, WheelsSayHowAScanTurnsBeforeItIsMatched) {
   motion.wheels.trust_turn = 0.3;
   motion.begin_scan(timing, Pose2{0.2, 0.0, 0.32}, {});
   EXPECT_EQ(motion.begin_scan(timing, Pose2{0.25, 0.0, 0.4}, {}).twist.omega, 0.1) << "not trusted";
+}
+
+/// The toy world as a scan at the origin saw it, and what a scan at another pose sees.
+struct Seen {
+  LocalMap map;
+  MapPoints points;
+  explicit Seen(const Pose2& T_map_base) {
+    map.reset({}, 20.0, 0.1);
+    map.add(points_at({}, 1), {});
+    map.finish();
+    points = points_at(T_map_base, 2);
+  }
+  static MapPoints points_at(const Pose2& pose, std::uint64_t seed) {
+    Random random(seed);
+    SurfaceWorkspace work;
+    SurfacePoints surface;
+    MapPoints points;
+    find_surface(testing::toy_scan(testing::two_rooms(), pose, {}, random, {}), {}, work, surface, kTrackingLines);
+    to_map_points(surface, {}, 20.0, points);
+    return points;
+  }
+  Pose2 step(const MotionModel& motion, const MotionInput& input) const {
+    return motion.predict(map, points, {}, input, {}, false, {}).step;
+  }
+};
+
+TEST(MotionModel, OfThePossibleStepsTheOneThatExplainsTheScanIsTaken) {
+  MotionModel motion = driving();
+  motion.usual_score = 0.2;
+  motion.step = {0.3, 0.0, 0.0};
+  EXPECT_EQ(Seen({0.3, 0.0, 0.0}).step(motion, input_of()).x, 0.3) << "as before";
+  EXPECT_EQ(Seen({}).step(motion, input_of()).x, 0.0) << "it stopped";
+  EXPECT_EQ(Seen({0.15, 0.0, 0.0}).step(motion, input_of(Pose2{0.15, 0.0, 0.0})).x, 0.15) << "by the wheels";
+  EXPECT_EQ(Seen({-0.15, 0.0, 0.0}).step(motion, input_of(Pose2{0.15, 0.0, 0.0})).x, -0.15)
+      << "wheels that do not see which way they turn";
+  motion.step = {0.1, 0.0, 0.0};
+  EXPECT_NEAR(Seen({0.3, 0.0, 0.0}).step(motion, input_of({}, 3.0)).x, 0.3, 1e-9) << "two scans are missing";
+}
+
+TEST(MotionModel, TurnsAreTriedWhereNothingElseExplainsTheScan) {
+  MotionModel motion = driving();
+  motion.step = {};
+  const Seen turned({0.0, 0.0, 0.3});
+  motion.usual_score = 0.0;
+  EXPECT_EQ(turned.step(motion, input_of()).theta, 0.0) << "good enough: scans are usually explained no better";
+  motion.usual_score = 0.8;
+  EXPECT_NEAR(turned.step(motion, input_of()).theta, 0.3, 1e-9);
 }
 
 TEST(SearchPolicy, SparseLogsAreSearchedWidelyAndLostSooner) {
