@@ -11,12 +11,12 @@ namespace phasescan::app {
 namespace {
 
 struct ConvertFlags {
-  std::string in, out, to;
+  std::string in, out, format;
   LogOptions options;
 };
 
 int run_convert(const ConvertFlags& flags) {
-  const std::string target = flags.to.empty() ? convert_target_for(flags.out) : flags.to;
+  const std::string target = flags.format.empty() ? convert_target_for(flags.out) : flags.format;
   const auto reader = open_log(flags.in, flags.options);
   const auto writer = make_convert_writer(target, flags.out);
   JudgedLog log(*reader);
@@ -34,9 +34,10 @@ int run_convert(const ConvertFlags& flags) {
   if (scans == 0) {
     if (InterruptGuard::interrupted()) return stopped_with_nothing();
     if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.in);
-    return fail(InputError(flags.in, 0, "holds no scan; expected at least one").what(), kAnswerIsNo);
+    return fail_no_scan(*reader, flags.in);
   }
   if (InterruptGuard::interrupted()) warn("stopped after " + std::to_string(scans) + " scans; the file holds these");
+  report_remarks(*reader, flags.in);
   const int code = report_damages(*reader, kDone);
   writer->finish();
   if (left_out) warn(flags.out + ": poses of a mapping program are not written as odometry");
@@ -53,9 +54,10 @@ void add_convert_command(CLI::App& app, CommandBody& body) {
   command->add_option("OUT", flags->out, "the file to write; its ending tells the format")
       ->required()
       ->check(not_empty());
-  command->add_option("--to", flags->to, "the format, whatever OUT is called")
+  command->add_option("--format", flags->format, "the format, whatever OUT is called")
       ->check(CLI::IsMember(convert_target_names()));
   add_log_flags(*command, flags->options);
+  add_to_flag(*command, flags->options, convert_target_names(), &flags->format);
   command->callback([flags, &body] { body = [flags] { return run_convert(*flags); }; });
 }
 

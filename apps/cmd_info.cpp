@@ -50,12 +50,13 @@ int run_info(const InfoFlags& flags) {
   for (const LogDamage& damage : reader->damages()) ++damages[damage.kind];
   print_line("damaged places", std::to_string(reader->damage_count()));
   for (const auto& [kind, count] : damages) print_line("damage, " + kind, std::to_string(count));
-  for (const Finding& finding : doctor.findings(reader->facts())) {
+  for (const Finding& finding : doctor.findings(reader->facts(), reader->remarks())) {
     print(fmt::format("finding: {}\n  seen    {}\n  means   {}\n  do      {}\n", finding.kind, finding.seen,
                       finding.meaning, finding.advice));
   }
   const int code = report_damages(*reader, kDone);
   if (summary.usable_scans() > 0) return code;
+  if (summary.scans() == 0) return fail_no_scan(*reader, flags.log);
   return fail(InputError(flags.log, 0, "holds no usable scan; expected at least one with a hit").what(), kAnswerIsNo);
 }
 
@@ -66,6 +67,7 @@ void add_info_command(CLI::App& app, CommandBody& body) {
   auto flags = std::make_shared<InfoFlags>();
   command->add_option("LOG", flags->log, "a log of any readable format")->required();
   add_log_flags(*command, flags->options);
+  add_to_flag(*command, flags->options);
   command->add_flag("--no-doctor", flags->no_doctor, "only what the log holds: no look for what is wrong with it");
   command->callback([flags, &body] { body = [flags] { return run_info(*flags); }; });
 }

@@ -11,7 +11,7 @@
 #include "output/match_json.hpp"
 #include "io/number.hpp"
 #include "io/pairs.hpp"
-#include "io/scan_json.hpp"
+#include "phasescan/io/scan_json.hpp"
 #include "methods/any_matcher.hpp"
 #include "report/scan_plot.hpp"
 

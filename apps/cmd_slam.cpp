@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "command_list.hpp"
 #include "commands.hpp"
@@ -23,7 +24,6 @@ struct SlamFlags {
   CommonFlags common;
   std::string log, out, odometry = "auto", mcap;
   LogOptions options;
-  double range_max = 0.0;
   int beam_step = 1;
 };
 
@@ -87,8 +87,7 @@ void feed(JudgedLog& log, Slam& slam, SlamRecording* recording, const SlamFlags&
     std::optional<LogEntry> entry = log.next();
     if (!entry) return slam.set_observer(nullptr);
     if (slam.scans() == 0) run.T_base_laser = entry->T_base_laser, run.flipped = entry->flipped;
-    if (flags.range_max > 0.0 || flags.beam_step > 1)
-      entry->scan = reduce_scan(entry->scan, flags.range_max, flags.beam_step);
+    if (flags.beam_step > 1) entry->scan = reduce_scan(entry->scan, 0.0, flags.beam_step);
     if (recording != nullptr) recording->add(*entry);
     first_seen.set_line(entry->line);
     RangeMeasurement measurement = to_measurement(std::move(*entry));
@@ -104,6 +103,15 @@ void feed(JudgedLog& log, Slam& slam, SlamRecording* recording, const SlamFlags&
   }
   slam.set_observer(nullptr);
   run.complete = false;
+}
+
+/// Sections of the configuration that this command has no use for: said, not passed over.
+void warn_of_unread_sections(const Config& config, const std::string& file) {
+  std::set<std::string> read{"match", "global"};
+  SlamOptions::visit_sections(config.slam, [&](std::string_view name, const auto&) { read.emplace(name); });
+  for (const std::string& section : config.sections_set) {
+    if (!read.contains(section)) warn(file + ": section " + quote_text(section) + " is not read by slam");
+  }
 }
 
 /// What was assumed of the log's odometry, once it is read.
@@ -135,6 +143,7 @@ int report_run(const LogReader& reader, const SlamResult& result, const SlamFlag
     warn(flags.log + ": the map is in " + std::to_string(result.pieces) + " pieces that nothing ties; " +
          std::to_string(left_out) + " scans are not on it");
   }
+  report_remarks(reader, flags.log);
   const int code = report_damages(reader, damaged ? kDamagedInput : kDone);
   if (!result.keyframes.empty()) return code;
   std::fprintf(stderr, "phasescan: %s: not one scan with enough returns to match\n", flags.log.c_str());
@@ -144,6 +153,7 @@ int report_run(const LogReader& reader, const SlamResult& result, const SlamFlag
 int run_slam(const SlamFlags& flags) {
   const double cpu = process_cpu_seconds(), wall = wall_seconds();
   const Config config = config_from(flags.common);
+  warn_of_unread_sections(config, flags.common.config);
   SlamRun run;
   run.log = flags.log;
   run.times = !flags.common.no_times;
@@ -164,7 +174,7 @@ int run_slam(const SlamFlags& flags) {
   if (slam.scans() == 0) {
     if (InterruptGuard::interrupted()) return stopped_with_nothing();
     if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
-    return fail(InputError(flags.log, 0, "holds no scan; expected at least one").what(), kAnswerIsNo);
+    return fail_no_scan(*reader, flags.log);
   }
   if (!run.complete) warn("stopped after " + std::to_string(slam.scans()) + " scans; the results are of these");
   const SlamResult result = slam.finish();
@@ -187,15 +197,13 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
   command->add_option("--odometry", flags->odometry, "auto: wheel odometry where the log has any; none: scans alone")
       ->check(CLI::IsMember({"auto", "none"}))
       ->capture_default_str();
-  command->add_option("--range-max", flags->range_max, "cut the scans down to this range [m]")
-      ->check(number_above_zero())
-      ->type_name("M");
   command->add_option("--beam-step", flags->beam_step, "keep every K-th beam")
       ->check(CLI::Range(1, 10000))
       ->type_name("K");
   command->add_option("--mcap", flags->mcap, "write scans, frames, path and map for Foxglove or Lichtblick")
       ->check(not_empty());
   add_log_flags(*command, flags->options);
+  add_to_flag(*command, flags->options);
   add_config_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <utility>
 
+#include "phasescan/core/angle.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
 #include "io/number.hpp"
@@ -34,6 +35,24 @@ extern "C" void stop(int signal_number) {
 
 }  // namespace
 
+namespace {
+
+/// "FROM:TO" in degrees.
+void add_masks(const std::vector<std::string>& texts, LogOptions& options) {
+  for (const std::string& text : texts) {
+    const std::size_t colon = text.find(':');
+    const auto from = parse_number<double>(std::string_view(text).substr(0, colon));
+    const auto to =
+        colon == std::string::npos ? std::nullopt : parse_number<double>(std::string_view(text).substr(colon + 1));
+    if (!from || !to || !(std::abs(*from) <= 720.0) || !(std::abs(*to) <= 720.0)) {
+      throw CLI::ValidationError("--mask", quote_text(text) + " is no sector; expected FROM:TO in degrees");
+    }
+    options.masks.push_back({deg_to_rad(*from), deg_to_rad(*to)});
+  }
+}
+
+}  // namespace
+
 void add_config_flag(CLI::App& command, CommonFlags& flags) {
   command.add_option("--config", flags.config, "YAML file with options (see `phasescan config --dump`)")
       ->type_name("FILE.yaml")
@@ -41,9 +60,54 @@ void add_config_flag(CLI::App& command, CommonFlags& flags) {
 }
 
 void add_log_flags(CLI::App& command, LogOptions& options) {
+  const auto degrees = [&command](const char* name, std::optional<double>& radians, const char* what, double least,
+                                  double most) {
+    command
+        .add_option_function<double>(
+            name, [&radians](double value) { radians = deg_to_rad(value); }, what)
+        ->type_name("DEG")
+        ->check(CLI::Range(least, most));
+  };
+  const auto metres = [&command](const char* name, double& value, const char* what) {
+    command.add_option(name, value, what)->type_name("M")->check(number_above_zero());
+  };
+  const auto seconds = [&command](const char* name, std::optional<double>& value, const char* what) {
+    command.add_option(name, value, what)->type_name("S")->check(number_from_zero());
+  };
   command.add_option("--topic", options.topic, "ROS logs: only this scan topic");
+  command.add_option("--frame", options.frame, "ROS logs: only scans with this frame_id");
   command.add_option("--columns", options.columns,
                      "text logs without a header: names of the columns, e.g. angle_deg,range_mm");
+  degrees("--fov", options.beams.field_of_view, "text logs: from the first beam to the last; 360 is a full turn", 1e-3,
+          360.0);
+  degrees("--angle-min", options.beams.angle_min, "text logs: direction of the first beam", -720.0, 720.0);
+  degrees("--angle-increment", options.beams.angle_increment, "text logs: between two beams, a size", 1e-4, 180.0);
+  command.add_flag("--clockwise", options.beams.clockwise, "text logs: beams turn clockwise");
+  command.add_option("--stamp-unit", options.stamp_unit, "text logs: unit of the stamps")
+      ->check(CLI::IsMember({"s", "ms", "us", "ns"}));
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--mask", [&options](const std::vector<std::string>& texts) { add_masks(texts, options); },
+          "leave out beams in these directions of the laser, counter-clockwise; may be repeated")
+      ->type_name("FROM:TO")
+      ->allow_extra_args(false);
+  metres("--range-min", options.range_min, "nearer hits count as too near");
+  metres("--range-max", options.range_max, "farther hits count as out of range: a cheaper sensor");
+  seconds("--from", options.from, "scans from this time after the first one on");
+}
+
+void add_to_flag(CLI::App& command, LogOptions& options, const std::vector<std::string>& names, std::string* name) {
+  const auto take = [&options, names, name](const std::string& text) {
+    const auto seconds = parse_number<double>(text);
+    if (std::find(names.begin(), names.end(), text) != names.end()) {
+      *name = text;
+    } else if (seconds && *seconds >= 0.0 && std::isfinite(*seconds)) {
+      options.to = *seconds;
+    } else {
+      throw CLI::ValidationError("--to", quote_text(text) + " is no number from 0 on");
+    }
+  };
+  command.add_option_function<std::string>("--to", take, "scans up to this time after the first one")->type_name("S");
 }
 
 void add_method_flags(CLI::App& command, CommonFlags& flags) {
@@ -198,6 +262,18 @@ int report_damages(const LogReader& reader, int code) {
   const std::size_t untold = reader.damage_count() - reader.damages().size();
   if (untold > 0) warn("and " + std::to_string(untold) + " more places like these");
   return reader.damage_count() > 0 ? kDamagedInput : code;
+}
+
+void report_remarks(const LogReader& reader, const std::string& log) {
+  for (const LogRemark& remark : reader.remarks()) warn(log + ": " + remark.text);
+}
+
+int fail_no_scan(const LogReader& reader, const std::string& log) {
+  std::string reason = "holds no scan; expected at least one";
+  for (const LogRemark& remark : reader.remarks()) {
+    if (remark.kind == "no scans" || remark.kind == "tilted laser") reason = "holds no scan: " + remark.text;
+  }
+  return fail(InputError(log, 0, reason).what(), kAnswerIsNo);
 }
 
 int fail_unreadable(const LogReader& reader, const std::string& log) {

@@ -40,8 +40,13 @@ void add_method_flags(CLI::App& command, CommonFlags& flags);
 void add_threads_flag(CLI::App& command, CommonFlags& flags, int default_threads = 1);
 void add_seed_flag(CLI::App& command, CommonFlags& flags);
 void add_no_times_flag(CLI::App& command, CommonFlags& flags);
-/// --topic and --columns.
+/// What of a log is read (topic, frame, part of its time, ranges, directions), and what a text does not say itself.
 void add_log_flags(CLI::App& command, LogOptions& options);
+
+/// --to S, which add_log_flags leaves out. Of convert it may be one of the `names` as well, which becomes `name`: the
+/// flag had that meaning once.
+void add_to_flag(CLI::App& command, LogOptions& options, const std::vector<std::string>& names = {},
+                 std::string* name = nullptr);
 
 /// Checks of a flag's text, before it is read as a number: what CLI11 would wrap, cut off or let pass (-1 and 2^64 as
 /// unsigned numbers, NaN as positive) is refused in one short line.
@@ -105,6 +110,12 @@ void warn(const std::string& text);
 
 /// Prints each of a reader's damages as a warning; gives kDamagedInput if there are any, else `code`.
 int report_damages(const LogReader& reader, int code);
+
+/// Prints what the reader assumed or left out, a warning each.
+void report_remarks(const LogReader& reader, const std::string& log);
+
+/// The one line for a whole log without a scan; names its topics where it has others. Gives kAnswerIsNo.
+int fail_no_scan(const LogReader& reader, const std::string& log);
 
 /// The one line for a log that holds damage and not one scan: its first damage, and that there is nothing else. Gives
 /// kBadInput.

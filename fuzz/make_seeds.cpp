@@ -1,4 +1,5 @@
-// Writes the seed corpora: a few small inputs for each target, of every kind its format has.
+// Writes the seed corpora: a few small inputs for each target, of every kind its format has (those of printed/ are
+// texts that are kept by hand).
 #include <cmath>
 #include <filesystem>
 

@@ -79,6 +79,7 @@ StopBeams summarise(Stop stop) {
     if (!out.stop.closed && (i < 2 || i + 2 >= n)) continue;
     const auto at = [&](std::size_t step) { return out.beams[(i + n + step - 2) % n].range; };
     out.beams[i].slope = 0.5 * (at(3) - at(1));
+    out.beams[i].slope2 = 0.5 * (std::pow(at(3) - at(2), 2) + std::pow(at(2) - at(1), 2));
     out.beams[i].smooth = std::abs(at(4) - 2.0 * at(2) + at(0)) < kBend_m && !std::isnan(out.beams[i].slope);
   }
   return out;

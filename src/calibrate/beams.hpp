@@ -13,6 +13,7 @@ namespace phasescan {
 struct BeamSummary {
   double range = 0.0;     ///< median [m]
   double slope = 0.0;     ///< change of the median range from beam to beam [m]
+  double slope2 = 0.0;    ///< mean square of that on both sides, which differ where the surface bends [m^2]
   std::size_t asked = 0;  ///< scans in which its sector arrived
   std::size_t answers = 0;
   bool smooth = false;  ///< between neighbours two beams to each side that lie on one surface

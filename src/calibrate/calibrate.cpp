@@ -13,8 +13,10 @@ constexpr std::size_t kSample = 20'000;
 /// Rounds to so many digits: a file says no more than was measured.
 double rounded(double value, int digits) {
   if (value == 0.0 || !std::isfinite(value)) return 0.0;
-  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - digits + 1);
-  return std::round(value / unit) * unit;
+  const int places = digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
+  // By a whole power of ten, so that what is rounded is the number that its decimals mean.
+  const double scale = std::pow(10.0, std::abs(places));
+  return places >= 0 ? std::round(value * scale) / scale : std::round(value / scale) * scale;
 }
 
 void set_geometry(const Stop& grid, const Scan& example, sim::LidarOptions& sensor) {

@@ -36,8 +36,9 @@ void add_edge(const StopBeams& stop, std::size_t last, EdgeSums& sums) {
   const auto& near = rises ? before : after;
   const auto& far = rises ? after : before;
   if (!is_piece(near, kNear_m) || !is_piece(far, kFar_m) || !(far[1] - near[1] > kApart_m)) return;
-  // The jump itself is between the two beams, not one further on.
-  if (std::abs(near[0] - near[1]) > kNear_m && !(std::abs(near[0] - far[1]) > kFar_m)) return;
+  // The jump is between these two beams, not one further on; a beam that never answers may be either.
+  if (std::abs(near[0] - near[1]) > std::abs(near[0] - far[1])) return;
+  if (std::abs(far[0] - far[1]) > std::abs(far[0] - near[1])) return;
   ++sums.edges;
   for (std::size_t d = 0; d < kDepth; ++d) {
     for (const std::size_t beam : {last - d, last + 1 + d}) {
@@ -46,11 +47,14 @@ void add_edge(const StopBeams& stop, std::size_t last, EdgeSums& sums) {
       sums.counts[d] += 1.0;
     }
   }
-  for (const auto& scan : stop.stop.ranges) {
-    for (const double range : {scan[last], scan[last + 1]}) {
-      if (std::isnan(range)) continue;
+  // A beam that says something in between as a rule sees a third surface.
+  for (const std::size_t beam : {last, last + 1}) {
+    const double median = stop.beams[beam].range;
+    if (!(std::abs(median - near[1]) < kNear_m || std::abs(median - far[1]) < kFar_m)) continue;
+    for (const auto& scan : stop.stop.ranges) {
+      if (std::isnan(scan[beam])) continue;
       sums.answers += 1.0;
-      sums.between += range > near[1] + kLeave_near_m && range < far[1] - kLeave_far_m ? 1.0 : 0.0;
+      sums.between += scan[beam] > near[1] + kLeave_near_m && scan[beam] < far[1] - kLeave_far_m ? 1.0 : 0.0;
     }
   }
 }

@@ -31,7 +31,7 @@ std::vector<BeamSpread> beam_spreads(const StopBeams& stop, const ScanTurns& tur
       n += 1.0;
     }
     if (n < 5.0) continue;
-    out.push_back({beam.range, beam.slope * beam.slope, std::max(0.0, (sum2 - sum * sum / n) / (n - 1.0)), n - 1.0});
+    out.push_back({beam.range, beam.slope2, std::max(0.0, (sum2 - sum * sum / n) / (n - 1.0)), n - 1.0});
   }
   std::sort(out.begin(), out.end(), [](const BeamSpread& a, const BeamSpread& b) { return a.range < b.range; });
   return out;
@@ -41,7 +41,7 @@ std::vector<BeamSpread> beam_spreads(const StopBeams& stop, const ScanTurns& tur
 /// few beams of every stop see two surfaces or somebody's leg.
 void fit_curve(std::span<const BeamSpread> spreads, std::span<const std::size_t> bins, NoiseFit& fit) {
   constexpr int kRounds = 60;
-  constexpr double kFar = 3.0;
+  constexpr double kFar = 2.0;
   std::vector<double> variances(bins.size() - 1, 1e-4);
   double jitter = 0.06;
   for (int round = 0; round < kRounds; ++round) {

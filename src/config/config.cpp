@@ -11,7 +11,10 @@ OptionTable option_table(Config& config) {
 
 Config load_config(const std::string& path) {
   Config config;
-  option_table(config).load_file(path);
+  OptionTable table = option_table(config);
+  table.load_file(path);
+  config.sections_set = table.loaded_sections();
+  config.slam.match = {config.match.match.general, config.match.global};
   return config;
 }
 

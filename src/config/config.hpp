@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "config/option_table.hpp"
 #include "methods/any_options.hpp"
@@ -13,6 +14,7 @@ namespace phasescan {
 struct Config {
   AnyMatchOptions match;
   SlamOptions slam;
+  std::vector<std::string> sections_set;  ///< those that the file names
 
   /// Calls v(section_name, section_struct) for every section, in the order of `config --dump`.
   template <class Self, class Visitor>

@@ -142,6 +142,7 @@ void OptionTable::load_text(const std::string& yaml, const std::string& file) {
     }
     if (!seen.emplace(section, line_of(part.first)).second)
       throw InputError(file, line_of(part.first), "section " + quote_text(section) + " stands twice; expected once");
+    loaded_sections_.push_back(section);
     if (part.second.IsNull()) continue;
     if (!part.second.IsMap())
       throw InputError(file, line_of(part.second),

@@ -157,14 +157,14 @@ bool any_confidence(const BenchRun& run) {
 
 }  // namespace
 
-Chart success_chart(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods,
+Chart success_chart(const std::vector<BenchRow>& rows, const std::vector<BenchMethod>& methods,
                     const std::string& title) {
   Chart chart;
   chart.title = title;
   chart.y.label = "success [%]";
   chart.y.min = 0.0;
   chart.y.max = 100.0;
-  for (const PairRow& row : rows) {
+  for (const BenchRow& row : rows) {
     if (row.with_truth == 0) continue;
     if (std::find(chart.x.categories.begin(), chart.x.categories.end(), row.cls) == chart.x.categories.end()) {
       chart.x.categories.push_back(row.cls);
@@ -172,7 +172,7 @@ Chart success_chart(const std::vector<PairRow>& rows, const std::vector<BenchMet
   }
   for (std::size_t m = 0; m < methods.size(); ++m) {
     Series s = method_series(methods, m, SeriesKind::kBars);
-    for (const PairRow& row : rows) {
+    for (const BenchRow& row : rows) {
       if (row.method != m || row.with_truth == 0) continue;
       const auto at =
           std::find(chart.x.categories.begin(), chart.x.categories.end(), row.cls) - chart.x.categories.begin();
@@ -233,14 +233,14 @@ std::map<std::string, std::string> bench_figures(const BenchRun& run, const std:
                                                  const BenchInfo& info) {
   std::map<std::string, std::string> out;
   if (run.outcomes.empty()) return out;
-  const std::vector<PairRow> rows = pair_rows(run.outcomes), totals = pair_totals(run.outcomes);
+  const std::vector<BenchRow> rows = pair_rows(run.outcomes), totals = pair_totals(run.outcomes);
   Figure success;
   success.title = "Success: within 0.1 m and 3 deg, with 95 % Wilson intervals";
   success.cell_width = 420.0;
   for (const std::string& dataset : datasets_in_order(run.outcomes)) {
-    std::vector<PairRow> of_dataset;
+    std::vector<BenchRow> of_dataset;
     std::copy_if(rows.begin(), rows.end(), std::back_inserter(of_dataset),
-                 [&](const PairRow& r) { return r.dataset == dataset; });
+                 [&](const BenchRow& r) { return r.dataset == dataset; });
     Chart chart = success_chart(of_dataset, methods, dataset);
     if (!chart.x.categories.empty()) success.charts.push_back(std::move(chart));
   }

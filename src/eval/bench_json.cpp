@@ -34,7 +34,7 @@ Json success_json(std::size_t n, std::size_t count, double share, const Interval
   return {{"n", n}, {"count", count}, {"share", share}, {"low", interval.low}, {"high", interval.high}};
 }
 
-Json row_json(const PairRow& row, const std::vector<BenchMethod>& methods, const BenchInfo& info, double fft_ms) {
+Json row_json(const BenchRow& row, const std::vector<BenchMethod>& methods, const BenchInfo& info, double fft_ms) {
   Json out{{"dataset", row.dataset}, {"class", row.cls}, {"method", methods[row.method].name}, {"n", row.n}};
   out["success"] = success_json(row.with_truth, row.right, row.success(), row.interval);
   out["honesty"] = {{"right_usable", row.right_usable},
@@ -81,9 +81,9 @@ std::string bench_json(const BenchRun& run, const std::vector<BenchMethod>& meth
                      {"reference_prepared", info.prepared}};
   for (const BenchMethod& method : methods) out["options"][method.name] = options_json(method.options);
   out["rows"] = Json::array();
-  for (const PairRow& row : pair_rows(run.outcomes)) out["rows"].push_back(row_json(row, methods, info, run.fft_ms));
+  for (const BenchRow& row : pair_rows(run.outcomes)) out["rows"].push_back(row_json(row, methods, info, run.fft_ms));
   out["totals"] = Json::array();
-  for (const PairRow& row : pair_totals(run.outcomes))
+  for (const BenchRow& row : pair_totals(run.outcomes))
     out["totals"].push_back(row_json(row, methods, info, run.fft_ms));
   return out.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -42,10 +42,10 @@ std::span<const std::string_view> bench_figure_names();
 std::string bench_features(const BenchRun& run, const std::vector<BenchMethod>& methods);
 
 /// The parts, for other reports.
-Table success_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods);
-Table error_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods);
-Table time_table(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods, double fft_ms);
-Chart success_chart(const std::vector<PairRow>& rows, const std::vector<BenchMethod>& methods,
+Table success_table(const std::vector<BenchRow>& rows, const std::vector<BenchMethod>& methods);
+Table error_table(const std::vector<BenchRow>& rows, const std::vector<BenchMethod>& methods);
+Table time_table(const std::vector<BenchRow>& rows, const std::vector<BenchMethod>& methods, double fft_ms);
+Chart success_chart(const std::vector<BenchRow>& rows, const std::vector<BenchMethod>& methods,
                     const std::string& title);
 Chart overlap_chart(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods,
                     const std::string& title);

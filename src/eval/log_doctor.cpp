@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <string_view>
 
 #include "eval/log_stamps.hpp"
 #include "eval/motion_check.hpp"
+#include "phasescan/core/angle.hpp"
 
 namespace phasescan {
 namespace {
@@ -17,14 +19,30 @@ namespace {
 struct Laser {
   std::size_t scans = 0, beams = 0, missing = 0, empty = 0;
   std::size_t fewest_beams = 0, most_beams = 0, beams_changed = 0, last_beams = 0;
-  std::size_t doubled = 0;
+  std::size_t doubled = 0, same_in_a_row = 0;
   std::size_t without_range_max = 0;
-  double longest_turn_seconds = 0.0;  ///< beams * time_increment
+  std::vector<float> sweep_seconds;  ///< beams * time_increment, of the first scans
+  double widest_fan = 0.0;           ///< [rad]
   std::uint64_t last_content = 0;
   std::vector<std::uint32_t> hits;  ///< by beam, while the count of beams stays
   StampStatistics stamps;
   MotionCheck motion;
 };
+
+constexpr std::size_t kMostSweeps = 4096;
+
+/// How many of a run of equal scans were sent again.
+std::size_t repeats(std::size_t same_in_a_row) {
+  constexpr std::size_t kAtRest = 10;
+  return same_in_a_row <= kAtRest ? same_in_a_row : 0;
+}
+
+double median_of(std::vector<float> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
 
 /// FNV-1a over the bits of the ranges: equal scans have equal numbers.
 std::uint64_t content_of(const Scan& scan) {
@@ -67,10 +85,15 @@ void count_scan(Laser& laser, const Scan& scan) {
   }
   laser.last_beams = n;
   const std::uint64_t content = content_of(scan);
-  if (laser.scans > 1 && hits > 0 && content == laser.last_content) ++laser.doubled;
+  // A few repeats are messages sent again. A long run is a simulated laser at rest: its scans have no noise.
+  const bool same = laser.scans > 1 && hits > 0 && content == laser.last_content;
+  if (!same) laser.doubled += repeats(laser.same_in_a_row);
+  laser.same_in_a_row = same ? laser.same_in_a_row + 1 : 0;
   laser.last_content = content;
   if (scan.geometry.range_max == 0.0) ++laser.without_range_max;
-  laser.longest_turn_seconds = std::max(laser.longest_turn_seconds, scan.time_increment * static_cast<double>(n));
+  if (laser.sweep_seconds.size() < kMostSweeps)
+    laser.sweep_seconds.push_back(static_cast<float>(scan.time_increment * static_cast<double>(n)));
+  if (n > 1) laser.widest_fan = std::max(laser.widest_fan, std::abs(scan.angle(n - 1) - scan.angle(0)));
 }
 
 void find_in_scans(const Laser& laser, std::vector<Finding>& out) {
@@ -104,8 +127,8 @@ void find_in_scans(const Laser& laser, std::vector<Finding>& out) {
                    "the robot's own body, a mast or a mask of the driver hides part of the view",
                    "normal for a laser behind a body; else move the sensor"});
   }
-  if (laser.doubled > 0) {
-    out.push_back({"scans doubled", fmt::format("{} scans are the same as the one before", laser.doubled),
+  if (const std::size_t doubled = laser.doubled + repeats(laser.same_in_a_row); doubled > 0) {
+    out.push_back({"scans doubled", fmt::format("{} scans are the same as the one before", doubled),
                    "a recorder or bridge sent a message twice; counted as standing still they falsify the odometry",
                    "record one topic once; check for two publishers"});
   }
@@ -139,11 +162,15 @@ void find_in_stamps(const Laser& laser, std::vector<Finding>& out) {
                    "the robot moved unseen; the next match has farther to search",
                    "look for lost messages: a full disk, a busy processor, a weak link"});
   }
-  if (laser.longest_turn_seconds > 1.5 * median) {
-    out.push_back({"time_increment absurd",
-                   fmt::format("beams take {:.3f} s by time_increment, scans come every {:.3f} s",
-                               laser.longest_turn_seconds, median),
-                   "taking motion out of a scan would bend it",
+  // A turn that was lost doubles one distance between stamps and one sweep: the usual ones count.
+  const double sweep = median_of(laser.sweep_seconds);
+  const double expected = median * std::min(1.0, laser.widest_fan / kTwoPi);
+  const bool too_long = sweep > 1.5 * median, too_short = sweep > 0.0 && sweep < expected / 15.0;
+  if (too_long || too_short) {
+    out.push_back({too_long ? "time_increment absurd" : "time_increment too small",
+                   fmt::format("beams take {:.6f} s by time_increment, scans come every {:.3f} s", sweep, median),
+                   too_long ? "taking motion out of a scan would bend it"
+                            : "motion is left in the scans: time_increment may be in another unit",
                    "set time_increment to the scan time over the number of beams, or to 0"});
   }
 }
@@ -188,6 +215,33 @@ void find_in_motion(const MotionCounts& motion, std::vector<Finding>& out) {
   }
 }
 
+/// What a reader's remark means and what to do; the last one speaks for kinds without an entry.
+struct RemarkAdvice {
+  std::string_view kind, meaning, advice;
+};
+constexpr RemarkAdvice kAdvice[] = {
+    {"angles in degrees", "read as radians the beams would lie all around many times: every wall would be lost",
+     "publish radians (REP 103)"},
+    {"increment contradicts angle_max", "one of the two is wrong, and with it the direction of every beam",
+     "compare a corner of the room with the scan; set angle_increment to (angle_max - angle_min) / (beams - 1)"},
+    {"fan beyond a turn", "beams lie on top of each other", "check angle_increment and the number of ranges"},
+    {"ranges in millimetres", "read as metres the room would be a thousand times as large", "publish metres (REP 103)"},
+    {"several frames", "two drivers, or a driver and a simulation: their scans do not belong to one laser",
+     "take one of them with --frame"},
+    {"tilted laser", "beams that leave the plane meet floor, ceiling and furniture where no wall is",
+     "nothing, if another laser lies in the plane; else mount it level, or --frame NAME"},
+    {"stamps all zero", "the recorder's times jitter: speeds and deskewing are less exact",
+     "stamp scans in the driver, where they are measured"},
+    {"", "the file does not say it: if it is otherwise, the map is bent or mirrored",
+     "say it with flags, see `phasescan info --help`"},
+};
+
+Finding finding_of(const LogRemark& remark) {
+  const auto* advice = std::find_if(std::begin(kAdvice), std::end(kAdvice) - 1,
+                                    [&](const RemarkAdvice& known) { return known.kind == remark.kind; });
+  return {remark.kind, remark.text, std::string(advice->meaning), std::string(advice->advice)};
+}
+
 }  // namespace
 
 struct LogDoctor::Impl {
@@ -206,8 +260,12 @@ void LogDoctor::add(const LogEntry& entry) {
   laser.motion.add(entry);
 }
 
-std::vector<Finding> LogDoctor::findings(const std::map<std::string, std::string>& facts) const {
+std::vector<Finding> LogDoctor::findings(const std::map<std::string, std::string>& facts,
+                                         const std::vector<LogRemark>& remarks) const {
   std::vector<Finding> out;
+  for (const LogRemark& remark : remarks) {
+    if (remark.kind != "no scans") out.push_back(finding_of(remark));
+  }
   if (const auto absurd = facts.find("time_increment absurd"); absurd != facts.end()) {
     out.push_back({"time_increment absurd", absurd->second,
                    "taking motion out of a scan would bend it: read as unknown",

@@ -28,8 +28,10 @@ class LogDoctor {
   ~LogDoctor();
 
   void add(const LogEntry& entry);
-  /// In a fixed order. `facts` are the reader's: it knows of values that were read as unknown.
-  std::vector<Finding> findings(const std::map<std::string, std::string>& facts = {}) const;
+  /// In a fixed order. `facts` and `remarks` are the reader's: it knows of values that were read as unknown, and of
+  /// what it assumed or left out.
+  std::vector<Finding> findings(const std::map<std::string, std::string>& facts = {},
+                                const std::vector<LogRemark>& remarks = {}) const;
 
  private:
   struct Impl;

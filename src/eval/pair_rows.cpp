@@ -41,16 +41,16 @@ std::array<double, 6> step_ms(const MatchTimes& ms) {
   return {ms.total, ms.image, ms.missing, ms.rotation, ms.translation, ms.refine};
 }
 
-double PairRow::success() const {
+double BenchRow::success() const {
   return share(right, with_truth);
 }
 
-double PairRow::known_success() const {
+double BenchRow::known_success() const {
   return share(known_right(), known());
 }
 
-PairRow sum_up(std::span<const PairOutcome* const> outcomes) {
-  PairRow row;
+BenchRow sum_up(std::span<const PairOutcome* const> outcomes) {
+  BenchRow row;
   row.n = outcomes.size();
   if (!outcomes.empty()) {
     row.dataset = outcomes.front()->dataset;
@@ -130,10 +130,10 @@ std::vector<std::string> classes_in_order(const std::vector<PairOutcome>& outcom
   return names;
 }
 
-std::vector<PairRow> pair_rows(const std::vector<PairOutcome>& outcomes) {
+std::vector<BenchRow> pair_rows(const std::vector<PairOutcome>& outcomes) {
   const std::vector<std::string> datasets = datasets_in_order(outcomes), classes = classes_in_order(outcomes);
   const std::size_t methods = method_count(outcomes);
-  std::vector<PairRow> rows;
+  std::vector<BenchRow> rows;
   for (const auto& box : sort_into(outcomes, datasets.size() * classes.size() * methods, [&](const PairOutcome& o) {
          return (place_of(datasets, o.dataset) * classes.size() + place_of(classes, o.cls)) * methods + o.method;
        })) {
@@ -142,10 +142,10 @@ std::vector<PairRow> pair_rows(const std::vector<PairOutcome>& outcomes) {
   return rows;
 }
 
-std::vector<PairRow> pair_totals(const std::vector<PairOutcome>& outcomes) {
+std::vector<BenchRow> pair_totals(const std::vector<PairOutcome>& outcomes) {
   const std::vector<std::string> datasets = datasets_in_order(outcomes), classes = classes_in_order(outcomes);
   const std::size_t methods = method_count(outcomes);
-  std::vector<PairRow> rows;
+  std::vector<BenchRow> rows;
   const auto add = [&](const std::vector<std::vector<const PairOutcome*>>& boxes, bool all_datasets, bool all_classes) {
     for (const auto& box : boxes) {
       if (box.empty()) continue;

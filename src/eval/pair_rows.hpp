@@ -22,7 +22,7 @@ struct TimeRow {
 };
 
 /// All outcomes of one dataset x class x method. Shares and moments of nothing are NaN.
-struct PairRow {
+struct BenchRow {
   std::string dataset;  ///< "all" in totals
   std::string cls;      ///< "all" in totals
   std::size_t method = 0;
@@ -54,13 +54,13 @@ struct PairRow {
 };
 
 /// Sums up outcomes, which may come in any order.
-PairRow sum_up(std::span<const PairOutcome* const> outcomes);
+BenchRow sum_up(std::span<const PairOutcome* const> outcomes);
 
 /// A row per dataset x class x method: datasets as they first come, classes small, middle, large, global, none and then
 /// others as they first come, methods by index.
-std::vector<PairRow> pair_rows(const std::vector<PairOutcome>& outcomes);
+std::vector<BenchRow> pair_rows(const std::vector<PairOutcome>& outcomes);
 /// A row per dataset x method (class "all"), per class x method (dataset "all") and, last, per method.
-std::vector<PairRow> pair_totals(const std::vector<PairOutcome>& outcomes);
+std::vector<BenchRow> pair_totals(const std::vector<PairOutcome>& outcomes);
 
 /// Class names in the order of the tables.
 std::vector<std::string> classes_in_order(const std::vector<PairOutcome>& outcomes);

@@ -29,9 +29,9 @@ std::vector<PairOutcome> only(const std::vector<PairOutcome>& outcomes, const Co
   return out;
 }
 
-std::vector<PairRow> rows_of_all_datasets(const std::vector<PairOutcome>& outcomes) {
-  std::vector<PairRow> rows;
-  for (PairRow& row : pair_totals(outcomes)) {
+std::vector<BenchRow> rows_of_all_datasets(const std::vector<PairOutcome>& outcomes) {
+  std::vector<BenchRow> rows;
+  for (BenchRow& row : pair_totals(outcomes)) {
     if (row.dataset == "all" && row.cls != "all") rows.push_back(std::move(row));
   }
   return rows;
@@ -51,12 +51,12 @@ Figure success_figure(const PaperKit& kit, const std::vector<PairOutcome>& outco
 /// "fft 14 %, ndt 27 %, ..." from worst to best in one class.
 std::string order_text(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods,
                        const std::string& cls) {
-  std::vector<PairRow> rows = rows_of_all_datasets(outcomes);
-  std::erase_if(rows, [&](const PairRow& row) { return row.cls != cls || row.method >= 5; });
+  std::vector<BenchRow> rows = rows_of_all_datasets(outcomes);
+  std::erase_if(rows, [&](const BenchRow& row) { return row.cls != cls || row.method >= 5; });
   std::stable_sort(rows.begin(), rows.end(),
-                   [](const PairRow& a, const PairRow& b) { return a.success() < b.success(); });
+                   [](const BenchRow& a, const BenchRow& b) { return a.success() < b.success(); });
   std::string out;
-  for (const PairRow& row : rows)
+  for (const BenchRow& row : rows)
     out += fmt::format("{}{} {} %", out.empty() ? "" : " < ", methods[row.method].name, percent(row.success()));
   return out;
 }
@@ -64,7 +64,7 @@ std::string order_text(const std::vector<PairOutcome>& outcomes, const std::vect
 nlohmann::ordered_json rows_json(const std::vector<PairOutcome>& outcomes, const std::vector<BenchMethod>& methods,
                                  bool times) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
-  for (const PairRow& row : pair_rows(outcomes)) {
+  for (const BenchRow& row : pair_rows(outcomes)) {
     out.push_back({{"dataset", row.dataset},
                    {"class", row.cls},
                    {"method", methods[row.method].name},

@@ -77,7 +77,7 @@ Table accuracy_table2(const std::vector<PairOutcome>& outcomes, const Columns& c
         for (const PairOutcome& o : outcomes) {
           if (o.method == m && (o.cls == "small" || o.cls == "middle" || o.cls == "large")) box.push_back(&o);
         }
-        const PairRow row = sum_up(box);
+        const BenchRow row = sum_up(box);
         table.rows.push_back({line.method, variant_name(variant), fmt::format("{}", row.right), fixed(row.x_m.mean, 4),
                               fixed(row.x_m.variance, 6), fixed(row.x_m.std, 4), fixed(row.y_m.mean, 4),
                               fixed(row.y_m.variance, 6), fixed(row.y_m.std, 4), fixed(row.rotation_deg.mean, 3),
@@ -138,7 +138,7 @@ Table shortcut_table(const std::vector<PairOutcome>& outcomes, const Columns& co
         if (o.method == find_method(columns, variant, "fft-icp2")) two.push_back(&o);
         if (o.method == find_method(columns, variant, "fft-icp1")) one.push_back(&o);
       }
-      const PairRow row = sum_up(two);
+      const BenchRow row = sum_up(two);
       const auto used =
           static_cast<double>(row.rotation_sources[static_cast<std::size_t>(RotationSource::kMissingData)]);
       table.rows.push_back({dataset, variant_name(variant), fmt::format("{}", row.n),

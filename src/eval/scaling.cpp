@@ -99,7 +99,7 @@ std::vector<ScalingCurve> measure_scaling(ScalingAxis axis, const std::vector<Be
       for (const PairOutcome& o : run.outcomes) {
         if (o.method == m) of_method.push_back(&o);
       }
-      const PairRow row = sum_up(of_method);
+      const BenchRow row = sum_up(of_method);
       curves[m].points.push_back({value, row.times[0].p50, row.times[0].p99, row.success()});
     }
   }

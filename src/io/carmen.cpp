@@ -12,7 +12,7 @@
 #include "io/log_format.hpp"
 #include "io/text_log.hpp"
 #include "io/number.hpp"
-#include "io/scan_json.hpp"
+#include "phasescan/io/scan_json.hpp"
 
 namespace phasescan {
 namespace {

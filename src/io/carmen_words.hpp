@@ -9,7 +9,7 @@
 #include "phasescan/core/pose2.hpp"
 #include "io/file.hpp"
 #include "io/number.hpp"
-#include "io/scan_json.hpp"
+#include "phasescan/io/scan_json.hpp"
 
 namespace phasescan {
 

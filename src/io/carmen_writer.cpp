@@ -95,7 +95,7 @@ class CarmenWriter final : public LogWriter {
     line += " 0.01 0 " + std::to_string(scan.size());
     for (std::size_t i = 0; i < scan.size(); ++i) add_word(line, scan.is_hit(i) ? scan.ranges[i] : missing);
     line += ' ' + std::to_string(scan.intensities.size());
-    for (const float value : scan.intensities) add_word(line, value);
+    for (const float value : scan.intensities) add_word(line, std::isfinite(value) ? value : 0.0F);
     if (entry.odometry) {
       add_pose(line, *entry.odometry * entry.T_base_laser);
       add_pose(line, *entry.odometry);

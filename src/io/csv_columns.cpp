@@ -5,7 +5,9 @@
 #include <cctype>
 #include <cmath>
 
+#include "io/file.hpp"
 #include "phasescan/core/angle.hpp"
+#include "phasescan/io/error.hpp"
 
 namespace phasescan {
 namespace {
@@ -21,6 +23,13 @@ constexpr Name kNames[] = {
     {"timestamp", ColumnRole::kStamp},
     {"t", ColumnRole::kStamp},
     {"header.stamp", ColumnRole::kStamp},
+    {"header.stamp.secs", ColumnRole::kStampSeconds},
+    {"header.stamp.sec", ColumnRole::kStampSeconds},
+    {"secs", ColumnRole::kStampSeconds},
+    {"header.stamp.nsecs", ColumnRole::kStampNanoseconds},
+    {"header.stamp.nanosec", ColumnRole::kStampNanoseconds},
+    {"nsecs", ColumnRole::kStampNanoseconds},
+    {"nanosec", ColumnRole::kStampNanoseconds},
     {"angle", ColumnRole::kAngle},
     {"theta", ColumnRole::kAngle},
     {"bearing", ColumnRole::kAngle},
@@ -56,6 +65,8 @@ constexpr Name kNames[] = {
     {"odom_y", ColumnRole::kOdomY},
     {"odom_theta", ColumnRole::kOdomTheta},
     {"odom_yaw", ColumnRole::kOdomTheta},
+    {"x", ColumnRole::kPointX},
+    {"y", ColumnRole::kPointY},
 };
 
 struct Unit {
@@ -91,6 +102,7 @@ std::string normalised(std::string_view name) {
     }
   }
   while (!out.empty() && out.back() == '_') out.pop_back();
+  if (out.starts_with('.')) out.erase(0, 1);
   for (const std::string_view prefix : {"field.", "msg."}) {
     if (out.starts_with(prefix)) out.erase(0, prefix.size());
   }
@@ -103,6 +115,10 @@ Column parse_column(std::string_view raw) {
   std::string name = normalised(raw);
   Column column;
   column.scale = 0.0;
+  // rostopic echo -p: nanoseconds, whatever their size; a simulation's clock begins at 0.
+  const bool rostopic_header = name == "header.stamp" && raw.find("field.") != std::string_view::npos;
+  if (rostopic_header || (name == "time" && raw.find('%') != std::string_view::npos)) column.scale = 1e-9;
+  column.from_header = name.starts_with("header.stamp");
   column.clockwise = cut_suffix(name, "cw");
   for (const Unit& unit : kUnits) {
     if (column.scale == 0.0 && cut_suffix(name, unit.suffix)) column.scale = unit.scale;
@@ -128,6 +144,17 @@ const Column* CsvLayout::find(ColumnRole role) const {
   return found == columns.end() ? nullptr : &*found;
 }
 
+/// Where a tool writes when it received a message and when it was measured, the latter counts.
+static void prefer_header_stamp(CsvLayout& layout) {
+  const auto is_header = [](const Column& c) {
+    return c.from_header && (c.role == ColumnRole::kStamp || c.role == ColumnRole::kStampSeconds);
+  };
+  if (std::none_of(layout.columns.begin(), layout.columns.end(), is_header)) return;
+  for (Column& column : layout.columns) {
+    if (column.role == ColumnRole::kStamp && !column.from_header) column.role = ColumnRole::kIgnored;
+  }
+}
+
 std::optional<CsvLayout> make_layout(const std::vector<std::string_view>& names, char separator) {
   CsvLayout layout;
   layout.separator = separator;
@@ -140,8 +167,11 @@ std::optional<CsvLayout> make_layout(const std::vector<std::string_view>& names,
       layout.whole_scans = layout.whole_scans || column.indexed || column.open_end;
     }
   }
-  if (ranges == 0) return std::nullopt;
-  if (!layout.whole_scans && (ranges > 1 || layout.find(ColumnRole::kAngle) == nullptr)) return std::nullopt;
+  if (ranges == 0 && (layout.find(ColumnRole::kPointX) == nullptr || layout.find(ColumnRole::kPointY) == nullptr))
+    return std::nullopt;
+  if (!layout.whole_scans && ranges > 0 && (ranges > 1 || layout.find(ColumnRole::kAngle) == nullptr))
+    return std::nullopt;
+  prefer_header_stamp(layout);
   return layout;
 }
 
@@ -175,7 +205,15 @@ double usual_size(const CsvLayout& layout, std::size_t index, const std::vector<
 
 }  // namespace
 
-std::string settle_units(CsvLayout& layout, const std::vector<std::vector<double>>& rows) {
+double stamp_unit_seconds(const std::string& unit) {
+  static constexpr Unit kTimes[] = {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
+  for (const Unit& known : kTimes) {
+    if (known.suffix == unit) return known.scale;
+  }
+  throw InputError("--stamp-unit", 0, quote_text(unit) + " is no unit; expected s, ms, us or ns");
+}
+
+std::string settle_units(CsvLayout& layout, const std::vector<std::vector<double>>& rows, const LogOptions& options) {
   std::string assumed;
   double range_size = -1.0;  // of all range columns together, once
   for (std::size_t i = 0; i < layout.columns.size(); ++i) {
@@ -183,7 +221,9 @@ std::string settle_units(CsvLayout& layout, const std::vector<std::vector<double
     if (column.scale != 0.0) continue;
     column.scale = 1.0;
     const char* unit = nullptr;
-    if (column.role == ColumnRole::kStamp) {
+    if (column.role == ColumnRole::kStamp && !options.stamp_unit.empty()) {
+      column.scale = stamp_unit_seconds(options.stamp_unit);
+    } else if (column.role == ColumnRole::kStamp) {
       const double size = usual_size(layout, i, rows, 0.5);
       if (size > 1e17)
         column.scale = 1e-9, unit = "stamps in ns";
@@ -195,7 +235,8 @@ std::string settle_units(CsvLayout& layout, const std::vector<std::vector<double
                column.role == ColumnRole::kAngleMax) {
       const double share = column.role == ColumnRole::kAngle ? 0.9 : 0.5;
       if (usual_size(layout, i, rows, share) > 2.0 * kPi + 0.01) column.scale = kPi / 180.0, unit = "angles in degrees";
-    } else if (column.role == ColumnRole::kRange) {
+    } else if (column.role == ColumnRole::kRange || column.role == ColumnRole::kPointX ||
+               column.role == ColumnRole::kPointY) {
       if (range_size < 0.0) range_size = usual_size(layout, i, rows, 0.5);
       if (range_size > 100.0) column.scale = 1e-3, unit = "ranges in mm";
     }
@@ -212,12 +253,15 @@ std::string settle_units(CsvLayout& layout, const std::vector<std::vector<double
       if (belongs(column.role)) column.scale = scale;
     }
   };
-  same_scale([](ColumnRole role) { return role == ColumnRole::kRange; });
+  same_scale([](ColumnRole role) {
+    return role == ColumnRole::kRange || role == ColumnRole::kPointX || role == ColumnRole::kPointY;
+  });
   same_scale([](ColumnRole role) {
     return role == ColumnRole::kAngle || role == ColumnRole::kAngleMin || role == ColumnRole::kAngleMax ||
            role == ColumnRole::kAngleIncrement;
   });
   for (Column& column : layout.columns) {
+    if (options.beams.clockwise && column.role == ColumnRole::kAngle) column.clockwise = true;
     if (column.clockwise) column.scale = -column.scale;
   }
   return assumed;

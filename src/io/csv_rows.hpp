@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "io/clock_stamp.hpp"
 #include "io/csv_columns.hpp"
 #include "io/text_log.hpp"
 
@@ -24,10 +25,15 @@ class CsvRowReader : public TextLogReader {
     std::vector<double> numbers;
     std::optional<std::int64_t> stamp_integer;  ///< a stamp as it stands there: 19 digits do not fit into a double
     std::optional<Stamp> stamp_seconds;         ///< the same read as decimal seconds
+    std::optional<Stamp> clock;                 ///< a stamp as clocks write it; without a date of the running day
+    bool arrays = false;  ///< ranges and intensities stand in one quoted field each: in the two below, as written
+    std::vector<double> ranges, intensities;
   };
 
   std::optional<Row> next_row();
   const CsvLayout& layout() const { return layout_; }
+  /// The file is one line that does not end: nothing tells whether it is whole.
+  bool is_lone_line() const { return lone_line_; }
   /// The units that were taken for granted, for people.
   const std::string& assumed() const { return assumed_; }
 
@@ -44,12 +50,16 @@ class CsvRowReader : public TextLogReader {
 
  private:
   void find_header();
-  void look_ahead();
+  void look_ahead(const LogOptions& options);
   std::optional<Row> parse_row();
+  bool is_whole(bool arrays);
   bool parse_fields(Row& row);
+  bool parse_field(std::size_t i, Row& row);
+  std::optional<double> stamp_field(std::string_view text, Row& row);
 
   CsvLayout layout_;
-  bool guess_separator_ = false;
+  bool guess_separator_ = false, columns_named_ = false, lone_line_ = false;
+  ClockDays days_;
   std::string assumed_;
   std::vector<std::string_view> fields_;
   std::size_t fields_before_ = 0;

@@ -7,9 +7,10 @@
 #include <optional>
 
 #include "phasescan/io/error.hpp"
+#include "io/clock_stamp.hpp"
 #include "io/file.hpp"
 #include "io/number.hpp"
-#include "io/scan_json.hpp"
+#include "phasescan/io/scan_json.hpp"
 
 namespace phasescan::json {
 namespace {
@@ -122,15 +123,14 @@ void expect_count(const std::vector<float>& values, std::size_t beams, const Pla
                       " entries; expected one for each of the " + std::to_string(beams) + " ranges");
 }
 
-// The stamp's own digits, which a double does not hold at 1.7e9 s.
-Stamp stamp_of(const Json& object, const Place& place) {
-  const double seconds = number_of(object, place, "stamp", 0.0);
+/// A number of seconds with its own digits, which a double does not hold at 1.7e9 s.
+Stamp exact_seconds(double seconds, const Place& place, const char* key) {
   if (!(std::abs(seconds) < kMostStampSeconds))
-    place.fail("stamp", "\"stamp\" is not a possible time; expected seconds");
+    place.fail(key, std::string("\"") + key + "\" is not a possible time; expected seconds");
   const Stamp rough = stamp_from_seconds(seconds);
-  for (std::size_t at = place.text.find("\"stamp\""); at != std::string_view::npos;
-       at = place.text.find("\"stamp\"", at + 1)) {
-    const std::size_t from = place.text.find_first_not_of(": \t\r\n", at + 7);
+  const std::string quoted = "\"" + std::string(key) + "\"";
+  for (std::size_t at = place.text.find(quoted); at != std::string_view::npos; at = place.text.find(quoted, at + 1)) {
+    const std::size_t from = place.text.find_first_not_of(": \t\r\n", at + quoted.size());
     if (from == std::string_view::npos) break;
     const auto exact = parse_stamp(place.text.substr(from, place.text.find_first_of(",} \t\r\n", from) - from));
     if (exact && std::abs(*exact - rough) < 1000) return *exact;
@@ -138,7 +138,49 @@ Stamp stamp_of(const Json& object, const Place& place) {
   return rough;
 }
 
+/// {"sec", "nanosec"} of ROS 2, {"secs", "nsecs"} of ROS 1, {"sec", "nsec"} of Foxglove.
+std::optional<Stamp> stamp_of_parts(const Json& object) {
+  std::optional<double> seconds, rest;
+  for (const auto& [key, value] : object.items()) {
+    const auto number = number_from(value);
+    if (key == "sec" || key == "secs") seconds = number;
+    if (key == "nanosec" || key == "nsec" || key == "nsecs") rest = number;
+  }
+  if (!seconds || !(std::abs(*seconds) < kMostStampSeconds) || !(rest.value_or(0.0) >= 0.0 && rest.value_or(0.0) < 1e9))
+    return std::nullopt;
+  return stamp_from_seconds(std::floor(*seconds)) + static_cast<Stamp>(rest.value_or(0.0));
+}
+
+/// A number that is a time in s, or by its size in ms, us or ns.
+double seconds_by_size(double value) {
+  const double size = std::abs(value);
+  return size > 1e17 ? value * 1e-9 : size > 1e14 ? value * 1e-6 : size > 1e11 ? value * 1e-3 : value;
+}
+
 }  // namespace
+
+std::optional<Stamp> stamp_of(const Json& object, const Place& place) {
+  const auto header = object.find("header");
+  const bool has_header = header != object.end() && header->is_object();
+  for (const auto& [where, key] : {std::pair{&object, "stamp"}, std::pair{&object, "timestamp"},
+                                   std::pair{has_header ? &*header : &object, "stamp"}}) {
+    const auto found = where->find(key);
+    if (found == where->end() || found->is_null()) continue;
+    if (found->is_object()) {
+      if (const auto stamp = stamp_of_parts(*found)) return stamp;
+      place.fail(key, std::string("\"") + key + "\" is no time; expected seconds, or {\"sec\": .., \"nanosec\": ..}");
+    }
+    const auto number = number_from(*found);
+    const bool clock = found->is_string() && !number;
+    if (const auto stamp = clock ? parse_clock_stamp(found->get_ref<const std::string&>()) : std::nullopt) return stamp;
+    if (!number) place.fail(key, std::string("\"") + key + "\" is " + kind_of(*found) + "; expected seconds");
+    // Whole numbers of 2^53 and more lose digits as doubles.
+    if (std::string_view(key) == "timestamp" && found->is_number_integer() && std::abs(*number) > 1e17)
+      return found->get<std::int64_t>();
+    return exact_seconds(std::string_view(key) == "timestamp" ? seconds_by_size(*number) : *number, place, key);
+  }
+  return std::nullopt;
+}
 
 float bounded(double value) {
   return static_cast<float>(value > kRangeLimit ? kInfinity : value);
@@ -199,7 +241,7 @@ Scan scan_from(const Json& object, const Place& place, const ScanArrays& taken) 
   geometry.range_min = number_of(object, place, "range_min", 0.0);
   geometry.range_max = number_of(object, place, "range_max", 0.0);
   Scan scan = make_scan(*raw, geometry, angles.value_or(std::vector<float>()));
-  scan.stamp = stamp_of(object, place);
+  scan.stamp = stamp_of(object, place).value_or(0);
   const double step = number_of(object, place, "time_increment", 0.0);
   scan.time_increment = step > 0.0 && step <= kBeamTimeLimit ? step : 0.0;
   if (auto intensities = array(taken.intensities, "intensities"); intensities && !intensities->empty()) {

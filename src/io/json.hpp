@@ -40,8 +40,15 @@ struct ScanArrays {
 /// holds anything but plain numbers and nulls: then the whole text is for `parse`, which says what is wrong.
 bool take_scan_arrays(std::string_view text, ScanArrays& arrays, std::string& rest);
 
+/// The time of a scan object: its "stamp" or "timestamp", or that of its "header", in seconds, in parts ({"sec",
+/// "nanosec"}) or as a clock writes it. Nothing where none of them is there. @throws InputError for one that is no time
+std::optional<Stamp> stamp_of(const Json& object, const Place& place);
+
 /// A scan object. Arrays that were taken out of the text already stand in `taken`.
 Scan scan_from(const Json& object, const Place& place, const ScanArrays& taken = {});
+
+/// The text of a file that holds one scan; `path` is what errors call it. @throws InputError
+Scan parse_scan_file(std::string text, const std::string& path);
 
 /// {"x", "y", "theta"}, finite, theta wrapped.
 Pose2 pose_from(const Json& object, const Place& place, std::string_view key);

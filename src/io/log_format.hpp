@@ -17,7 +17,8 @@ struct LogFormat {
   bool (*probe)(const LogInput& input);
   /// Takes the input's bytes. @throws InputError, SystemError
   std::unique_ptr<LogReader> (*open)(LogInput& input, const LogOptions& options);
-  bool topics = false;  ///< whether LogOptions::topic means anything
+  bool topics = false;   ///< whether LogOptions::topic means anything
+  bool columns = false;  ///< whether the geometry and units of LogOptions do
 };
 
 LogFormat scan_log_format();
@@ -25,6 +26,11 @@ LogFormat carmen_format();
 LogFormat rosbag1_format();
 LogFormat rosbag2_format();
 LogFormat mcap_format();
+LogFormat topic_echo_format();
+LogFormat echo_csv_format();
+LogFormat ultra_simple_format();
+LogFormat sick_format();
+LogFormat s_lines_format();
 LogFormat lowcost_format();
 LogFormat csv_format();
 

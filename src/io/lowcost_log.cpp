@@ -5,32 +5,18 @@
 #include <cmath>
 
 #include "io/log_format.hpp"
+#include "io/lowcost_text.hpp"
 #include "io/text_log.hpp"
 #include "io/text_numbers.hpp"
 
 namespace phasescan {
 namespace {
 
-constexpr std::size_t kSlambotNumbers = 3 + 360;
-constexpr std::size_t kBreezyHead = 24;
-constexpr std::size_t kBreezyBeams = 682;
-constexpr std::size_t kPolarHead = 3;
-constexpr std::size_t kFewestPolarBeams = 64;
 constexpr double kMillimetre = 1e-3;
 
 /// Adds a step of wheel odometry: forward on the arc's chord, then turned.
 Pose2 add_step(const Pose2& pose, double forward_m, double turn_rad) {
   return pose * Pose2{forward_m * std::cos(turn_rad / 2.0), forward_m * std::sin(turn_rad / 2.0), turn_rad};
-}
-
-/// Difference of two counters of 16 bits.
-int wrapped_difference(double now, double before) {
-  return static_cast<std::int16_t>(static_cast<std::uint16_t>(static_cast<std::int64_t>(now)) -
-                                   static_cast<std::uint16_t>(static_cast<std::int64_t>(before)));
-}
-
-bool is_integer_up_to(double value, double most) {
-  return std::abs(value) <= most && value == std::floor(value);
 }
 
 class LowcostReader : public TextLogReader {
@@ -235,32 +221,7 @@ class PolarReader final : public LowcostReader {
   Stamp stamp_ = 0;
 };
 
-/// The first line that is no comment.
-std::string_view first_line(std::string_view text) {
-  for (;;) {
-    const std::size_t end = text.find('\n');
-    std::string_view line = text.substr(0, end);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    if (!line.empty() && line.front() != '#') return line;
-    if (end == std::string_view::npos) return {};
-    text.remove_prefix(end + 1);
-  }
-}
-
 }  // namespace
-
-std::optional<LowcostFormat> sniff_lowcost(std::string_view first_line) {
-  std::vector<std::string_view> fields;
-  std::vector<double> numbers;
-  const bool commas = first_line.find(',') != std::string_view::npos;
-  split_fields(first_line, commas ? ',' : ' ', fields);
-  if (!parse_numbers(fields, numbers)) return std::nullopt;
-  if (commas)
-    return fields.size() >= kPolarHead + kFewestPolarBeams ? std::optional(LowcostFormat::kPolar) : std::nullopt;
-  if (fields.size() == kSlambotNumbers) return LowcostFormat::kSlambot;
-  if (fields.size() == kBreezyHead + kBreezyBeams + 1) return LowcostFormat::kBreezy;
-  return std::nullopt;
-}
 
 std::unique_ptr<LogReader> open_lowcost(LogInput& input, LowcostFormat format) {
   switch (format) {
@@ -275,10 +236,9 @@ std::unique_ptr<LogReader> open_lowcost(LogInput& input, LowcostFormat format) {
 }
 
 LogFormat lowcost_format() {
-  return {"low-cost text", [](const LogInput& input) { return sniff_lowcost(first_line(input.prefix())).has_value(); },
-          [](LogInput& input, const LogOptions&) {
-            return open_lowcost(input, sniff_lowcost(first_line(input.prefix())).value());
-          }};
+  return {
+      "low-cost text", [](const LogInput& input) { return sniff_lowcost(input.prefix()).has_value(); },
+      [](LogInput& input, const LogOptions&) { return open_lowcost(input, sniff_lowcost(input.prefix()).value()); }};
 }
 
 }  // namespace phasescan

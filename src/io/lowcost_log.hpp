@@ -17,8 +17,8 @@ enum class LowcostFormat {
   kPolar,    ///< YDLidar X4: `distance, turn, seconds, r0, ..`, mm, degrees, m; the number of ranges varies
 };
 
-/// By the first line: how many numbers there are and what separates them.
-std::optional<LowcostFormat> sniff_lowcost(std::string_view first_line);
+/// By the first 20 lines: how many numbers they have, which of them are integers, ranges and a clock that runs.
+std::optional<LowcostFormat> sniff_lowcost(std::string_view beginning);
 
 std::unique_ptr<LogReader> open_lowcost(LogInput& input, LowcostFormat format);
 

@@ -147,11 +147,21 @@ class McapContainer final : public ros::Container {
     const auto schema = schemas_.find(record.get<std::uint16_t>());
     const std::string topic(record.prefixed_text());
     const std::string_view encoding = record.prefixed_text();
-    // Other encodings (json, protobuf) are kept as topics that nobody can read.
-    const bool readable = encoding == "cdr" || encoding == "ros1";
     const std::string type = schema == schemas_.end() ? std::string("no type") : schema->second;
-    channels_[id] = log_.channel(topic, readable ? type : type + " as " + std::string(encoding),
-                                 encoding == "ros1" ? ros::Wire::kRos1 : ros::Wire::kCdr);
+    const ros::Wire wire = wire_of(encoding);
+    // ROS messages are read as ROS writes them, Foxglove's as Foxglove does; the others are topics that nobody can
+    // read.
+    const bool is_ros = wire == ros::Wire::kCdr || wire == ros::Wire::kRos1;
+    const bool is_foxglove = wire == ros::Wire::kJson || wire == ros::Wire::kProtobuf;
+    const bool readable = type.starts_with("foxglove.") ? is_foxglove : is_ros;
+    channels_[id] = log_.channel(topic, readable ? type : type + " as " + std::string(encoding), wire);
+  }
+
+  static ros::Wire wire_of(std::string_view encoding) {
+    if (encoding == "cdr") return ros::Wire::kCdr;
+    if (encoding == "ros1") return ros::Wire::kRos1;
+    if (encoding == "json") return ros::Wire::kJson;
+    return encoding == "protobuf" ? ros::Wire::kProtobuf : ros::Wire::kUnknown;
   }
 
   void read_message(ByteStream& stream, std::uint64_t length) {

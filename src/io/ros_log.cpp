@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
 #include "io/decompress.hpp"
-#include "phasescan/io/error.hpp"
+#include "io/foxglove_scan.hpp"
 
 namespace phasescan::ros {
 namespace {
@@ -18,6 +16,8 @@ constexpr std::size_t kMostSamples = 4096;
 constexpr std::size_t kMostChannels = 4096;
 constexpr Stamp kLongestGap = kSecond;
 constexpr Stamp kNearest = kSecond / 5;
+constexpr std::size_t kMostScanFrames = 64;
+constexpr double kTilted_rad = 0.1;  ///< a wall 5 m away is then met half a metre too high or low
 
 /// "sensor_msgs/msg/LaserScan" and "sensor_msgs/LaserScan" are one type.
 std::string plain_type(std::string type) {
@@ -28,6 +28,8 @@ std::string plain_type(std::string type) {
 Channel::Content content_of(const std::string& type) {
   const std::string plain = plain_type(type);
   if (plain == "sensor_msgs/LaserScan") return Channel::Content::kScan;
+  if (plain == "sensor_msgs/MultiEchoLaserScan") return Channel::Content::kMultiEcho;
+  if (plain == "foxglove.LaserScan") return Channel::Content::kFoxglove;
   if (plain == "nav_msgs/Odometry") return Channel::Content::kOdometry;
   if (plain == "tf2_msgs/TFMessage" || plain == "tf/tfMessage") return Channel::Content::kTransforms;
   return Channel::Content::kOther;
@@ -45,7 +47,7 @@ Channel* RosLogReader::channel(const std::string& topic, const std::string& type
   const auto found = channels_.find(topic + "\n" + type);
   if (found != channels_.end()) return &found->second;
   if (channels_.size() >= kMostChannels) throw DecodeError("more than " + std::to_string(kMostChannels) + " topics");
-  Channel made{topic, type, wire, content_of(type), 0};
+  Channel made{topic, type, wire, content_of(type), 0, {}, {}, Channel::Stamps::kUnknown, 0};
   return &channels_.emplace(topic + "\n" + type, std::move(made)).first->second;
 }
 
@@ -61,6 +63,8 @@ void RosLogReader::message(Channel& channel, Stamp log_time, Bytes data) {
   try {
     switch (channel.content) {
       case Channel::Content::kScan:
+      case Channel::Content::kMultiEcho:
+      case Channel::Content::kFoxglove:
         add_scan(channel, log_time, data);
         break;
       case Channel::Content::kOdometry:
@@ -92,15 +96,44 @@ void RosLogReader::maybe_packed_message(Channel& channel, Stamp log_time, Bytes 
 
 void RosLogReader::add_scan(Channel& channel, Stamp log_time, Bytes data) {
   if (!topic_.empty() && channel.topic != topic_) return;
-  decode(channel.wire, data, scan_message_);
+  decode_scan(channel, data);
   Pending pending;
-  pending.entry.scan = to_scan(scan_message_);
-  if (scan_message_.time_increment != 0.0F && pending.entry.scan.time_increment == 0.0) ++absurd_time_increments_;
+  pending.frame = plain_frame(scan_message_.header.frame_id);
+  if (channel.frames.size() < kMostScanFrames || channel.frames.contains(pending.frame)) ++channel.frames[pending.frame];
+  if (!frame_.empty() && pending.frame != frame_) return;
+  pending.entry.scan = channel.reading.read(scan_message_);
   pending.entry.laser = channel.topic;
   pending.entry.line = ordinal_;
-  pending.frame = plain_frame(scan_message_.header.frame_id);
+  pending.channel = &channel;
   pending.log_time = log_time;
+  settle_stamp(pending);
   pending_.push_back(std::move(pending));
+}
+
+void RosLogReader::decode_scan(const Channel& channel, Bytes data) {
+  if (channel.content == Channel::Content::kFoxglove) {
+    decode_foxglove(channel.wire, data, scan_message_);
+  } else if (channel.content == Channel::Content::kMultiEcho) {
+    decode_multi_echo(channel.wire, data, scan_message_);
+  } else {
+    decode(channel.wire, data, scan_message_);
+  }
+}
+
+void RosLogReader::settle_stamp(Pending& pending) {
+  Channel& channel = *pending.channel;
+  if (channel.stamps == Channel::Stamps::kUnknown) {
+    if (pending.entry.scan.stamp != 0) {
+      channel.stamps = Channel::Stamps::kStated;
+    } else if (++channel.zero_stamps > 1) {
+      channel.stamps = Channel::Stamps::kZero;
+      for (Pending& other : pending_) {
+        if (other.channel == &channel) other.entry.scan.stamp = other.log_time;
+      }
+    }
+  }
+  if (channel.stamps == Channel::Stamps::kZero && pending.entry.scan.stamp == 0)
+    pending.entry.scan.stamp = pending.log_time;
 }
 
 void RosLogReader::add_odometry(const Channel& channel, Bytes data) {
@@ -108,7 +141,12 @@ void RosLogReader::add_odometry(const Channel& channel, Bytes data) {
   if (channel.topic != odometry_topic_) return;
   decode(channel.wire, data, odometry_message_);
   base_frame_ = plain_frame(odometry_message_.child_frame_id);
-  add_sample(samples_, {odometry_message_.header.stamp, planar(odometry_message_.pose)});
+  Stamp stamp = odometry_message_.header.stamp;
+  if (stamp == 0 && ++zero_odometry_ > 1) {
+    if (zero_odometry_ == 2) samples_.clear();
+    stamp = log_time_;
+  }
+  add_sample(samples_, {stamp, planar(odometry_message_.pose)});
 }
 
 void RosLogReader::add_transforms(const Channel& channel, Bytes data) {
@@ -133,6 +171,7 @@ void RosLogReader::add_sample(std::deque<Sample>& samples, Sample sample) {
 
 bool RosLogReader::may_leave(const Pending& pending) const {
   if (ended_ || pending_.size() >= kMostPending || log_time_ - pending.log_time > kLongestWait) return true;
+  if (pending.channel->stamps == Channel::Stamps::kUnknown) return false;
   if (log_time_ < pending.log_time) return true;  // recorded out of order: waiting longer tells nothing
   const std::deque<Sample>& samples = odometry();
   if (samples.empty() || samples.back().stamp < pending.entry.scan.stamp) return false;
@@ -165,16 +204,24 @@ std::optional<Pose2> RosLogReader::odometry_at(Stamp stamp) const {
 }
 
 std::optional<LogEntry> RosLogReader::next() {
-  while (pending_.empty() || !may_leave(pending_.front())) {
-    if (ended_) break;
-    ended_ = !container_->read_more();
+  for (;;) {
+    while (pending_.empty() || !may_leave(pending_.front())) {
+      if (ended_) break;
+      ended_ = !container_->read_more();
+    }
+    if (pending_.empty()) {
+      check_topic();
+      check_frame();
+      return std::nullopt;
+    }
+    Pending pending = std::move(pending_.front());
+    pending_.pop_front();
+    place_on_robot(pending);
+    if (!is_left_out(pending)) return std::move(pending.entry);
   }
-  if (pending_.empty()) {
-    check_topic();
-    return std::nullopt;
-  }
-  Pending pending = std::move(pending_.front());
-  pending_.pop_front();
+}
+
+void RosLogReader::place_on_robot(Pending& pending) {
   LogEntry& entry = pending.entry;
   // From the first scan on the kind of odometry stays: a change of frame would look like a jump of the robot.
   if (!odometry().empty()) source_settled_ = true;
@@ -187,48 +234,14 @@ std::optional<LogEntry> RosLogReader::next() {
     entry.T_base_laser = settled->second->T_base_laser;
     entry.flipped = settled->second->flipped;
   }
-  return std::move(pending.entry);
 }
 
-void RosLogReader::check_topic() const {
-  if (topic_.empty()) return;
-  std::string others;
-  for (const auto& [key, channel] : channels_) {
-    if (channel.content != Channel::Content::kScan) continue;
-    if (channel.topic == topic_) return;
-    others += (others.empty() ? "" : ", ") + channel.topic;
-  }
-  throw InputError(path_, 0,
-                   "no scans on topic " + topic_ + "; " +
-                       (others.empty() ? "the log has no LaserScan topic" : "expected one of " + others));
-}
-
-std::map<std::string, std::string> RosLogReader::facts() const {
-  std::map<std::string, std::string> out;
-  container_->add_facts(out);
-  for (const auto& [key, channel] : channels_) {
-    out["topic " + channel.topic] = channel.type + ", " + std::to_string(channel.messages) + " messages";
-  }
-  if (absurd_time_increments_ > 0) {
-    out["time_increment absurd"] =
-        std::to_string(absurd_time_increments_) + " scans state a turn of more than 2 s or less than none";
-  }
-  if (!odometry_topic_.empty()) {
-    out["odometry from"] = odometry_topic_;
-  } else if (!tf_samples_.empty()) {
-    out["odometry from"] = "the transform to " + tf_base_frame_;
-  }
-  for (const auto& [frame, mounting] : mountings_) {
-    if (!mounting) {
-      out["mounting of " + frame] = "not in the log: taken as the robot's own frame";
-      continue;
-    }
-    const Pose2& pose = mounting->T_base_laser;
-    out["mounting of " + frame] = fmt::format("x {:.3f} m, y {:.3f} m, heading {:.1f} deg{}{}", pose.x, pose.y,
-                                              pose.theta * 180.0 / kPi, mounting->flipped ? ", upside down" : "",
-                                              mounting->tilt_rad > 0.1 ? ", tilted out of the plane" : "");
-  }
-  return out;
+bool RosLogReader::is_left_out(const Pending& pending) {
+  const auto settled = mountings_.find(pending.frame);
+  if (!frame_.empty() || settled == mountings_.end() || !settled->second || settled->second->tilt_rad <= kTilted_rad)
+    return false;
+  ++tilted_[pending.frame];
+  return true;
 }
 
 }  // namespace phasescan::ros

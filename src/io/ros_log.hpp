@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/ros_messages.hpp"
+#include "io/ros_scan.hpp"
 #include "io/ros_tf.hpp"
 #include "phasescan/io/log.hpp"
 
@@ -17,13 +18,26 @@ namespace phasescan::ros {
 
 /// One stream of messages of a container. Obtained from RosLogReader::channel, which knows whether anyone wants it.
 struct Channel {
-  enum class Content { kOther, kScan, kOdometry, kTransforms };
+  enum class Content { kOther, kScan, kMultiEcho, kFoxglove, kOdometry, kTransforms };
+  /// One stamp of 0 may begin a simulation; two are a driver that stamps nothing.
+  enum class Stamps { kUnknown, kStated, kZero };
   std::string topic;
   std::string type;  ///< as stated, e.g. "sensor_msgs/msg/LaserScan"
   Wire wire = Wire::kCdr;
   Content content = Content::kOther;
   std::size_t messages = 0;
+
+  ScanReading reading;
+  std::map<std::string, std::size_t> frames;  ///< scans by frame_id
+  Stamps stamps = Stamps::kUnknown;
+  std::size_t zero_stamps = 0;
 };
+
+/// Whether messages of a channel are scans.
+inline bool gives_scans(const Channel& channel) {
+  return channel.content == Channel::Content::kScan || channel.content == Channel::Content::kMultiEcho ||
+         channel.content == Channel::Content::kFoxglove;
+}
 
 /// How large a message may become when it is unpacked [bytes]: bounded by what it is packed in.
 constexpr std::size_t message_limit(std::size_t packed_bytes) {
@@ -46,16 +60,20 @@ class Container {
 /// A scan waits until odometry on both sides of its stamp is there, and the transform to its laser, but never longer
 /// than two seconds of the log or 64 scans. The robot's odometry is a nav_msgs/Odometry topic (the first one) or, in a
 /// log without any, the transform from an odom frame. It is interpolated between samples at most a second apart;
-/// outside them the nearest counts for 0.2 s. Where a laser sits is settled with its first scan.
+/// outside them the nearest counts for 0.2 s. Where a laser sits is settled with its first scan. Scans of a laser
+/// tilted out of the plane are left out unless their frame is asked for; where a driver stamps nothing, the recorder's
+/// times count.
 class RosLogReader final : public LogReader {
  public:
-  RosLogReader(std::string path, const LogOptions& options) : path_(std::move(path)), topic_(options.topic) {}
+  RosLogReader(std::string path, const LogOptions& options)
+      : path_(std::move(path)), topic_(options.topic), frame_(plain_frame(options.frame)) {}
   /// What the messages come from; it feeds this reader and lives as long.
   void read_from(std::unique_ptr<Container> container) { container_ = std::move(container); }
 
   std::optional<LogEntry> next() override;
   std::string format() const override { return container_->format(); }
   std::map<std::string, std::string> facts() const override;
+  std::vector<LogRemark> remarks() const override;
 
   /// @name For containers
   /// @{
@@ -78,6 +96,7 @@ class RosLogReader final : public LogReader {
  private:
   struct Pending {
     LogEntry entry;
+    Channel* channel = nullptr;
     std::string frame;
     Stamp log_time = 0;
   };
@@ -87,6 +106,10 @@ class RosLogReader final : public LogReader {
   };
 
   void add_scan(Channel& channel, Stamp log_time, Bytes data);
+  void decode_scan(const Channel& channel, Bytes data);
+  void settle_stamp(Pending& pending);
+  void place_on_robot(Pending& pending);
+  bool is_left_out(const Pending& pending);
   void add_odometry(const Channel& channel, Bytes data);
   void add_transforms(const Channel& channel, Bytes data);
   void add_sample(std::deque<Sample>& samples, Sample sample);
@@ -95,9 +118,10 @@ class RosLogReader final : public LogReader {
   std::optional<Pose2> odometry_at(Stamp stamp) const;
   const std::string& base_frame() const { return odometry_topic_.empty() ? tf_base_frame_ : base_frame_; }
   void check_topic() const;
+  void check_frame() const;
 
   std::string path_;
-  std::string topic_;
+  std::string topic_, frame_;
   std::unique_ptr<Container> container_;
   std::map<std::string, Channel> channels_;
   LaserScan scan_message_;
@@ -112,7 +136,8 @@ class RosLogReader final : public LogReader {
   std::deque<Sample> tf_samples_;
   TransformTree tree_;
   std::map<std::string, std::optional<Mounting>> mountings_;
-  std::size_t absurd_time_increments_ = 0;
+  std::map<std::string, std::size_t> tilted_;  ///< scans left out by frame
+  std::size_t zero_odometry_ = 0;
   Stamp log_time_ = 0;
   long ordinal_ = 0;
   bool ended_ = false;

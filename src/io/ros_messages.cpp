@@ -1,7 +1,10 @@
 #include "io/ros_messages.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace phasescan::ros {
@@ -121,14 +124,39 @@ Pose3 read_pose(W& wire) {
 }
 
 template <class W>
-void read(W wire, LaserScan& out) {
-  read_header(wire, out.header);
+void read_limits(W& wire, LaserScan& out) {
   for (float* value : {&out.angle_min, &out.angle_max, &out.angle_increment, &out.time_increment, &out.scan_time,
                        &out.range_min, &out.range_max}) {
     *value = wire.template get<float>();
   }
+}
+
+template <class W>
+void read(W wire, LaserScan& out) {
+  read_header(wire, out.header);
+  read_limits(wire, out);
   wire.floats(out.ranges);
   wire.floats(out.intensities);
+  wire.finish();
+}
+
+/// An array of echoes for each beam: the first of them, NaN for a beam without.
+template <class W>
+void read_first_echoes(W& wire, std::vector<float>& out) {
+  std::vector<float> echoes;
+  out.clear();
+  for (auto n = wire.template get<std::uint32_t>(); n > 0; --n) {
+    wire.floats(echoes);
+    out.push_back(echoes.empty() ? std::numeric_limits<float>::quiet_NaN() : echoes.front());
+  }
+}
+
+template <class W>
+void read_multi_echo(W wire, LaserScan& out) {
+  read_header(wire, out.header);
+  read_limits(wire, out);
+  read_first_echoes(wire, out.ranges);
+  read_first_echoes(wire, out.intensities);
   wire.finish();
 }
 
@@ -170,6 +198,13 @@ constexpr double kLongestTurnSeconds = 2.0;
 void decode(Wire wire, Bytes data, LaserScan& out) {
   decode_any(wire, data, out);
 }
+void decode_multi_echo(Wire wire, Bytes data, LaserScan& out) {
+  if (wire == Wire::kRos1) {
+    read_multi_echo(Ros1Wire(data), out);
+  } else {
+    read_multi_echo(CdrWire(data), out);
+  }
+}
 void decode(Wire wire, Bytes data, Odometry& out) {
   decode_any(wire, data, out);
 }
@@ -177,19 +212,26 @@ void decode(Wire wire, Bytes data, std::vector<Transform>& out) {
   decode_any(wire, data, out);
 }
 
-Scan to_scan(const LaserScan& message) {
+Scan to_scan(const LaserScan& message, const ScanUnits& units) {
   ScanGeometry geometry;
-  geometry.angle_min = message.angle_min;
-  geometry.angle_increment = message.angle_increment;
-  geometry.range_min = message.range_min;
-  geometry.range_max = message.range_max;
+  geometry.angle_min = units.angle * message.angle_min;
+  geometry.angle_increment = units.angle * message.angle_increment;
+  geometry.range_min = units.range * message.range_min;
+  geometry.range_max = units.range * message.range_max;
   const std::size_t n = message.ranges.size();
-  if (n > 1 && !(std::isfinite(message.angle_increment) && message.angle_increment != 0.0F)) {
-    geometry.angle_increment = (double{message.angle_max} - double{message.angle_min}) / static_cast<double>(n - 1);
+  const bool stated = std::isfinite(message.angle_increment) && message.angle_increment != 0.0F;
+  if (n > 1 && (!stated || units.increment_from_ends)) {
+    geometry.angle_increment =
+        units.angle * (double{message.angle_max} - double{message.angle_min}) / static_cast<double>(n - 1);
+  }
+  std::vector<float> scaled;
+  if (units.range != 1.0) {
+    scaled = message.ranges;
+    for (float& range : scaled) range = static_cast<float>(units.range * range);
   }
   Scan scan;
   try {
-    scan = make_scan(message.ranges, geometry);
+    scan = make_scan(scaled.empty() ? message.ranges : scaled, geometry);
   } catch (const std::invalid_argument& error) {
     throw DecodeError(error.what());
   }
@@ -197,6 +239,7 @@ Scan to_scan(const LaserScan& message) {
   const double turn_seconds = double{message.time_increment} * static_cast<double>(n);
   if (turn_seconds >= 0.0 && turn_seconds <= kLongestTurnSeconds) scan.time_increment = message.time_increment;
   if (message.intensities.size() == n) scan.intensities = message.intensities;
+  for (float& value : scan.intensities) value = std::isfinite(value) ? value : 0.0F;
   return scan;
 }
 

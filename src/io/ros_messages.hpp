@@ -1,4 +1,4 @@
-/// The three ROS messages that make a laser log, in both wire forms: ROS 1 (packed) and CDR (aligned, ROS 2).
+/// The ROS messages that make a laser log, in both wire forms: ROS 1 (packed) and CDR (aligned, ROS 2).
 #pragma once
 
 #include <string>
@@ -13,7 +13,13 @@
 
 namespace phasescan::ros {
 
-enum class Wire { kRos1, kCdr };
+enum class Wire {
+  kRos1,
+  kCdr,
+  kJson,      ///< foxglove.LaserScan only
+  kProtobuf,  ///< foxglove.LaserScan only
+  kUnknown,   ///< nothing that is read
+};
 
 struct Header {
   Stamp stamp = 0;
@@ -54,14 +60,24 @@ struct Transform {
 /// @throws DecodeError where the bytes do not hold the message they should, or a pose is not finite.
 /// @{
 void decode(Wire wire, Bytes data, LaserScan& out);
+/// sensor_msgs/MultiEchoLaserScan: the first echo of each beam, the nearest.
+void decode_multi_echo(Wire wire, Bytes data, LaserScan& out);
 void decode(Wire wire, Bytes data, Odometry& out);
 void decode(Wire wire, Bytes data, std::vector<Transform>& out);
 /// @}
 
+/// What a message's numbers are in.
+struct ScanUnits {
+  double angle = 1.0;  ///< times the angles = radians
+  double range = 1.0;  ///< times the ranges = metres
+  bool increment_from_ends = false;
+};
+
 /// A library scan of a message. Limits that are nonsense are unknown; an increment that is nonsense is taken from
-/// angle_max; a time_increment under which one turn would take over two seconds, or that is negative, is unknown (0).
+/// angle_max; a time_increment under which one turn would take over two seconds, or that is negative, is unknown (0);
+/// an intensity that is not finite is 0.
 /// @throws DecodeError where the beams have no direction.
-Scan to_scan(const LaserScan& message);
+Scan to_scan(const LaserScan& message, const ScanUnits& units = {});
 
 /// The message that says what a scan says (beams at even angles). `scan_time` [s], 0 = unknown.
 /// @throws std::invalid_argument for a scan whose per-beam angles are not even.

@@ -9,6 +9,8 @@
 #include <deque>
 
 #include "io/decompress.hpp"
+#include "io/foreign_files.hpp"
+#include "io/log_input.hpp"
 #include "io/mcap_log.hpp"
 #include "io/ros_log.hpp"
 #include "io/rosbag2_files.hpp"
@@ -55,6 +57,7 @@ class SqliteContainer final : public ros::Container {
   SqliteContainer(std::string path, std::unique_ptr<TemporaryFile> unpacked, ros::RosLogReader& log)
       : path_(std::move(path)), unpacked_(std::move(unpacked)), bag_(unpacked_ ? unpacked_->path() : path_), log_(log) {
     if (!bag_.cut().empty()) log_.damage("truncated file", path_, bag_.cut());
+    if (!bag_.head_damage().empty()) log_.damage("bad database", path_, bag_.head_damage());
     for (const BagTopic& topic : bag_.topics()) {
       const bool cdr = topic.serialization == "cdr" || topic.serialization.empty();
       channels_[topic.id] =
@@ -112,7 +115,10 @@ std::unique_ptr<ros::Container> open_split(const std::string& path, ros::RosLogR
     packed = true;
   }
   if (looks_like_mcap(stream.peek(16))) return mcap_container(path, std::move(stream), log);
-  if (!looks_like_sqlite(stream.peek(16))) throw DecodeError("neither sqlite3 nor MCAP");
+  const Bytes first = stream.peek(LogInput::kPrefixBytes);
+  if (const auto foreign = foreign_file({reinterpret_cast<const char*>(first.data()), first.size()}))
+    throw DecodeError(*foreign);
+  if (!looks_like_sqlite(first)) throw DecodeError("neither sqlite3 nor MCAP");
   return std::make_unique<SqliteContainer>(path, packed ? unpack(path, stream, log) : nullptr, log);
 }
 

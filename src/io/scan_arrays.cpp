@@ -4,7 +4,7 @@
 
 #include "io/json.hpp"
 #include "io/number.hpp"
-#include "io/scan_json.hpp"
+#include "phasescan/io/scan_json.hpp"
 
 namespace phasescan::json {
 namespace {

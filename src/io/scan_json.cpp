@@ -1,6 +1,7 @@
-#include "io/scan_json.hpp"
+#include "phasescan/io/scan_json.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "io/json.hpp"
@@ -33,7 +34,11 @@ void append_array(std::string& out, std::string_view key, std::span<const float>
   out += ", \"" + std::string(key) + "\": [";
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (i > 0) out += ',';
-    append_number(out, values[i]);
+    if (std::isfinite(values[i])) {
+      append_number(out, values[i]);
+    } else {
+      out += "null";
+    }
   }
   out += ']';
 }
@@ -99,10 +104,10 @@ std::string format_scan_json(const Scan& scan) {
 }
 
 Scan read_scan_file(const std::string& path) {
-  return parse_scan_file(read_file(path, LineReader::kMaxLineBytes), path);
+  return json::parse_scan_file(read_file(path, LineReader::kMaxLineBytes), path);
 }
 
-Scan parse_scan_file(std::string text, const std::string& path) {
+Scan json::parse_scan_file(std::string text, const std::string& path) {
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
     throw InputError(path, 1, "the file is empty; expected a scan as JSON");

@@ -25,13 +25,20 @@ std::string column_text(sqlite3_stmt* statement, int column) {
 
 constexpr int kMostTopics = 4096;
 
+/// Zeros where the header stands: not even the size of a page is known.
+bool is_without_header(const std::string& path) {
+  ByteStream stream(open_file_source(path));
+  const Bytes header = stream.take(100);
+  return header.size() == 100 && std::all_of(header.begin(), header.end(), [](std::uint8_t byte) { return byte == 0; });
+}
+
 }  // namespace
 
 struct SqliteBag::Impl {
   sqlite3* db = nullptr;
   Statement rows;
   std::vector<BagTopic> topics;
-  std::string cut;
+  std::string cut, head_damage;
   std::string path;
   std::optional<SqliteSalvage> salvage;  ///< from the first damaged place on
   std::int64_t last_id = INT64_MIN;
@@ -71,6 +78,15 @@ struct SqliteBag::Impl {
     if (rc != SQLITE_DONE && rc != SQLITE_ROW) fail();
   }
 
+  /// Without the first page nothing says where the tables begin: topics and messages are told by what rows of them
+  /// hold.
+  void salvage_all() {
+    head_damage = "the first page is gone: rows are taken from the others as they lie";
+    salvage.emplace(path, INT64_MIN);
+    topics = salvage->topics();
+    if (topics.empty()) throw DecodeError("a database whose first page is gone, and no page that holds topics");
+  }
+
   void start_rows() { rows = prepare("SELECT id, topic_id, timestamp, data FROM messages ORDER BY id"); }
 
   /// The tree is broken: what is left of the rows behind the last one is taken from the pages as they lie.
@@ -83,7 +99,12 @@ struct SqliteBag::Impl {
 };
 
 bool looks_like_sqlite(Bytes first) {
-  return std::string_view(reinterpret_cast<const char*>(first.data()), first.size()).starts_with("SQLite format 3");
+  constexpr std::size_t kMagicBytes = 16;
+  if (std::string_view(reinterpret_cast<const char*>(first.data()), first.size()).starts_with("SQLite format 3"))
+    return true;
+  const Bytes magic = first.first(std::min(first.size(), kMagicBytes));
+  return std::all_of(magic.begin(), magic.end(), [](std::uint8_t byte) { return byte == 0; }) &&
+         guess_page_bytes(first) > 0;
 }
 
 SqliteBag::SqliteBag(const std::string& path) : impl_(std::make_unique<Impl>()) {
@@ -99,6 +120,8 @@ SqliteBag::SqliteBag(const std::string& path) : impl_(std::make_unique<Impl>()) 
       uri += c;
     }
   }
+  // A write-ahead log is read by a connection that has the file to itself: no -shm is made beside it for others, and
+  // nothing is moved from the log to the file at the end.
   uri += has_wal ? "?mode=ro" : "?mode=ro&immutable=1";
   Impl& bag = *impl_;
   bag.path = path;
@@ -108,8 +131,17 @@ SqliteBag::SqliteBag(const std::string& path) : impl_(std::make_unique<Impl>()) 
     if (bytes < stated)
       bag.cut = "the file ends after " + std::to_string(bytes) + " of " + std::to_string(stated) + " bytes";
   }
-  const char* vfs = has_wal ? nullptr : whole_page_vfs();
-  if (sqlite3_open_v2(uri.c_str(), &bag.db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, vfs) != SQLITE_OK) bag.fail();
+  if (is_headless_database(path)) bag.head_damage = "the first bytes are not those of a database; the rest is";
+  if (is_without_header(path)) {
+    bag.salvage_all();
+    return;
+  }
+  if (sqlite3_open_v2(uri.c_str(), &bag.db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, whole_page_vfs()) != SQLITE_OK)
+    bag.fail();
+  if (has_wal) {
+    sqlite3_db_config(bag.db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    sqlite3_exec(bag.db, "PRAGMA locking_mode=EXCLUSIVE", nullptr, nullptr, nullptr);
+  }
   sqlite3_limit(bag.db, SQLITE_LIMIT_LENGTH, static_cast<int>(std::clamp<std::uint64_t>(bytes, 1 << 16, 1 << 26)));
   // writable_schema lets sqlite start on a file that was cut off; the connection stays read-only.
   for (const char* pragma : {"PRAGMA trusted_schema=OFF", "PRAGMA cell_size_check=ON", "PRAGMA mmap_size=0",
@@ -126,6 +158,10 @@ SqliteBag::~SqliteBag() = default;
 
 const std::string& SqliteBag::cut() const {
   return impl_->cut;
+}
+
+const std::string& SqliteBag::head_damage() const {
+  return impl_->head_damage;
 }
 
 const std::vector<BagTopic>& SqliteBag::topics() const {

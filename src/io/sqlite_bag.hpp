@@ -11,6 +11,7 @@
 
 namespace phasescan {
 
+/// By the magic number, or, where zeros stand in its place, by the pages behind the first one.
 bool looks_like_sqlite(Bytes first);
 
 /// A row of the messages table; `data` is valid until the next row.
@@ -38,6 +39,8 @@ class SqliteBag {
 
   /// How far the file was cut off; empty where it is whole.
   const std::string& cut() const;
+  /// What is wrong with the file's beginning; empty where nothing is.
+  const std::string& head_damage() const;
   const std::vector<BagTopic>& topics() const;
   /// The next row, or nothing at the end. @throws DecodeError once, at the first damage; the next calls give what can
   /// be salvaged of the rows behind it.

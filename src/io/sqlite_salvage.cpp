@@ -8,6 +8,7 @@
 #include <array>
 
 #include "io/byte_source.hpp"
+#include "io/sqlite_bag.hpp"
 #include "phasescan/io/error.hpp"
 
 namespace phasescan {
@@ -62,12 +63,42 @@ SqliteSalvage::SqliteSalvage(const std::string& path, std::int64_t after)
     : file_bytes_(file_size_bytes(path)), last_id_(after) {
   fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd_ < 0) throw SystemError(path, "cannot be read");
+  read_page_size();
+}
+
+void SqliteSalvage::read_page_size() {
   page_bytes_ = 512;
   std::vector<std::uint8_t> header;
   if (!read_page(1, header)) return;
   page_bytes_ = big_endian(header, 16, 2) == 1 ? 65536 : big_endian(header, 16, 2);
   usable_bytes_ = page_bytes_ - std::min<std::size_t>(page_bytes_, header[20]);
+  if (page_bytes_ == 0) {
+    std::vector<std::uint8_t> beginning(std::min<std::uint64_t>(file_bytes_, std::uint64_t{1} << 20));
+    const ssize_t got = ::pread(fd_, beginning.data(), beginning.size(), 0);
+    beginning.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+    usable_bytes_ = page_bytes_ = guess_page_bytes(beginning);
+  }
   if (page_bytes_ < 512 || (page_bytes_ & (page_bytes_ - 1)) != 0 || usable_bytes_ < 480) file_bytes_ = 0;
+}
+
+std::size_t guess_page_bytes(Bytes beginning) {
+  std::size_t best = 0, most = 0;
+  for (std::size_t bytes = 65536; bytes >= 512; bytes /= 2) {
+    std::size_t trees = 0, others = 0;
+    for (std::size_t at = bytes; at + 8 <= beginning.size(); at += bytes) {
+      const std::uint8_t kind = beginning[at];
+      // A tree's page has a cell count and the place of the first cell within its page.
+      const std::size_t cells = static_cast<std::size_t>(beginning[at + 3]) << 8 | beginning[at + 4];
+      const bool tree = (kind == 2 || kind == 5 || kind == 10 || kind == 13) && cells <= bytes / 4;
+      trees += tree;
+      others += !tree && kind != 0;
+    }
+    if (others == 0 && trees > most) {
+      best = bytes;
+      most = trees;
+    }
+  }
+  return best;
 }
 
 SqliteSalvage::~SqliteSalvage() {
@@ -131,11 +162,58 @@ bool SqliteSalvage::gather_payload(std::uint64_t length, std::size_t at) {
   return page == 0;
 }
 
-std::optional<SqliteSalvage::Row> SqliteSalvage::row_at(std::size_t offset) {
+/// The row id and the payload of the cell at a place of the leaf.
+bool SqliteSalvage::read_cell(std::size_t offset, std::uint64_t& id) {
   const Bytes leaf(leaf_.data(), usable_bytes_);
-  std::uint64_t length = 0, id = 0;
-  if (!take_varint(leaf, offset, length) || !take_varint(leaf, offset, id)) return std::nullopt;
-  if (length > std::min(file_bytes_, kMostRowBytes) || !gather_payload(length, offset)) return std::nullopt;
+  std::uint64_t length = 0;
+  return take_varint(leaf, offset, length) && take_varint(leaf, offset, id) &&
+         length <= std::min(file_bytes_, kMostRowBytes) && gather_payload(length, offset);
+}
+
+std::vector<BagTopic> SqliteSalvage::topics() {
+  constexpr std::size_t kMost = 4096;
+  std::vector<BagTopic> out;
+  const std::uint64_t bytes = file_bytes_;
+  while (file_bytes_ > 0 && out.size() < kMost && next_leaf()) {
+    for (std::size_t cell = 0; cell < cells_ && out.size() < kMost; ++cell) {
+      const auto topic = topic_at(big_endian(leaf_, kLeafHeaderBytes + 2 * cell, 2));
+      const auto known = [&](const BagTopic& other) { return other.id == topic->id; };
+      if (topic && std::none_of(out.begin(), out.end(), known)) out.push_back(*topic);
+    }
+  }
+  file_bytes_ = bytes;
+  page_ = 0;
+  cell_ = cells_ = 0;
+  return out;
+}
+
+std::optional<BagTopic> SqliteSalvage::topic_at(std::size_t offset) {
+  std::uint64_t id = 0, head_bytes = 0;
+  std::size_t at = 0;
+  if (!read_cell(offset, id)) return std::nullopt;
+  const Bytes record(payload_);
+  if (!take_varint(record, at, head_bytes) || head_bytes > record.size()) return std::nullopt;
+  std::vector<std::uint64_t> types;
+  while (at < head_bytes && types.size() < 8) {
+    types.emplace_back();
+    if (!take_varint(record.first(static_cast<std::size_t>(head_bytes)), at, types.back())) return std::nullopt;
+  }
+  // NULL in the place of the id, which is the row's; then texts.
+  if (at != head_bytes || types.size() < 4 || types[0] != 0) return std::nullopt;
+  std::vector<std::string> texts;
+  for (std::size_t i = 1; i < 4; ++i) {
+    const std::uint64_t bytes = value_bytes(types[i]);
+    if (types[i] < 13 || types[i] % 2 == 0 || bytes > record.size() - at) return std::nullopt;
+    texts.emplace_back(reinterpret_cast<const char*>(record.data()) + at, static_cast<std::size_t>(bytes));
+    at += static_cast<std::size_t>(bytes);
+  }
+  if (!texts[0].starts_with('/') || texts[1].find('/') == std::string::npos) return std::nullopt;
+  return BagTopic{static_cast<std::int64_t>(id), texts[0], texts[1], texts[2]};
+}
+
+std::optional<SqliteSalvage::Row> SqliteSalvage::row_at(std::size_t offset) {
+  std::uint64_t id = 0;
+  if (!read_cell(offset, id)) return std::nullopt;
   const Bytes record(payload_);
   std::size_t at = 0;
   std::uint64_t head_bytes = 0;

@@ -11,6 +11,12 @@
 
 namespace phasescan {
 
+/// The size of a page by where pages begin: none but b-tree pages (their kind) and overflow pages (a page number) lie
+/// behind the first one. 0 where no size fits.
+std::size_t guess_page_bytes(Bytes beginning);
+
+struct BagTopic;
+
 /// Walks a database page by page and gives what looks like a row of rosbag2's table `messages`
 /// (id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB).
 class SqliteSalvage {
@@ -25,13 +31,19 @@ class SqliteSalvage {
     std::int64_t id = 0, topic_id = 0, time = 0;
     Bytes data;  ///< valid until the next row
   };
+  /// What looks like rows of the table `topics` (id, name, type, serialization_format, ..), over the whole file.
+  std::vector<BagTopic> topics();
+
   /// The next row; ids only rise. Recorders append, so that the order of the pages is that of the rows.
   std::optional<Row> next();
 
  private:
   bool read_page(std::uint64_t number, std::vector<std::uint8_t>& out) const;
   bool next_leaf();
+  void read_page_size();
+  bool read_cell(std::size_t offset, std::uint64_t& id);
   std::optional<Row> row_at(std::size_t offset);
+  std::optional<BagTopic> topic_at(std::size_t offset);
   bool gather_payload(std::uint64_t length, std::size_t at);
 
   int fd_ = -1;

@@ -7,6 +7,8 @@
 #include <array>
 #include <cstring>
 #include <new>
+#include <optional>
+#include <string_view>
 
 #include "io/byte_source.hpp"
 
@@ -32,7 +34,17 @@ std::uint64_t stated_bytes(const Header& header) {
 struct WholePageFile {
   sqlite3_file base;
   sqlite3_int64 stated;
+  bool headless;  ///< its first 16 bytes are not what they were: they are put back on reading
 };
+
+constexpr std::string_view kFirstBytes{"SQLite format 3\0", 16};
+
+bool is_headless(const Header& header) {
+  const std::size_t page = static_cast<std::size_t>(header[16]) << 8 | header[17];
+  const bool page_size = page == 1 || (page >= 512 && (page & (page - 1)) == 0);
+  const bool fractions = header[21] == 64 && header[22] == 32 && header[23] == 32;
+  return page_size && fractions && std::memcmp(header.data(), kFirstBytes.data(), kFirstBytes.size()) != 0;
+}
 
 sqlite3_file* real(sqlite3_file* file) {
   return reinterpret_cast<sqlite3_file*>(reinterpret_cast<WholePageFile*>(file) + 1);
@@ -46,6 +58,11 @@ int close_file(sqlite3_file* file) {
 }
 int read_file(sqlite3_file* file, void* out, int n, sqlite3_int64 at) {
   const int rc = real(file)->pMethods->xRead(real(file), out, n, at);
+  const auto begin = static_cast<std::size_t>(std::max<sqlite3_int64>(at, 0));
+  if (reinterpret_cast<WholePageFile*>(file)->headless && begin < kFirstBytes.size()) {
+    const auto count = std::min(kFirstBytes.size() - begin, static_cast<std::size_t>(n));
+    std::memcpy(out, kFirstBytes.data() + begin, count);
+  }
   return rc == SQLITE_IOERR_SHORT_READ ? SQLITE_CORRUPT : rc;
 }
 int file_size(sqlite3_file* file, sqlite3_int64* size) {
@@ -84,13 +101,22 @@ const sqlite3_io_methods kMethods = {
 
 int open_file(sqlite3_vfs* vfs, sqlite3_filename name, sqlite3_file* file, int flags, int* out_flags) {
   auto* whole = ::new (file) WholePageFile{};
+  // Files with names are the recording and what its recorder left beside it: none of them is ever written.
+  if (name != nullptr) flags = (flags & ~(SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE)) | SQLITE_OPEN_READONLY;
   const int rc = real(vfs)->xOpen(real(vfs), name, real(file), flags, out_flags);
   if (rc != SQLITE_OK) return rc;
   whole->base.pMethods = &kMethods;
   Header header{};
   if ((flags & SQLITE_OPEN_MAIN_DB) != 0 &&
-      real(file)->pMethods->xRead(real(file), header.data(), kHeaderBytes, 0) == SQLITE_OK)
-    whole->stated = static_cast<sqlite3_int64>(stated_bytes(header));
+      real(file)->pMethods->xRead(real(file), header.data(), kHeaderBytes, 0) == SQLITE_OK) {
+    whole->headless = is_headless(header);
+    // Beside a write-ahead log the header is of the time before it.
+    if (sqlite3_uri_boolean(name, "immutable", 0) != 0)
+      whole->stated = static_cast<sqlite3_int64>(stated_bytes(header));
+  }
+  return SQLITE_OK;
+}
+int keep_file(sqlite3_vfs*, const char*, int) {
   return SQLITE_OK;
 }
 
@@ -102,6 +128,7 @@ sqlite3_vfs make_vfs() {
   vfs.pNext = nullptr;
   vfs.pAppData = system;
   vfs.xOpen = open_file;
+  vfs.xDelete = keep_file;
   return vfs;
 }
 
@@ -113,13 +140,27 @@ const char* whole_page_vfs() {
   return registered == SQLITE_OK ? vfs.zName : nullptr;
 }
 
-std::uint64_t stated_database_bytes(const std::string& path) {
+namespace {
+
+std::optional<Header> header_of(const std::string& path) {
   ByteStream stream(open_file_source(path));
   const Bytes first = stream.take(kHeaderBytes);
-  if (first.size() < kHeaderBytes) return 0;
+  if (first.size() < kHeaderBytes) return std::nullopt;
   Header header{};
   std::copy(first.begin(), first.end(), header.begin());
-  return stated_bytes(header);
+  return header;
+}
+
+}  // namespace
+
+std::uint64_t stated_database_bytes(const std::string& path) {
+  const auto header = header_of(path);
+  return header ? stated_bytes(*header) : 0;
+}
+
+bool is_headless_database(const std::string& path) {
+  const auto header = header_of(path);
+  return header && is_headless(*header);
 }
 
 }  // namespace phasescan

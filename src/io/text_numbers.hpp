@@ -36,6 +36,24 @@ inline void split_fields(std::string_view line, char separator, std::vector<std:
   }
 }
 
+/// The same, but a separator inside double quotes is none; the quotes go.
+inline void split_quoted_fields(std::string_view line, char separator, std::vector<std::string_view>& out) {
+  out.clear();
+  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  bool quoted = false;
+  std::size_t begin = 0;
+  for (std::size_t at = 0; at <= line.size(); ++at) {
+    if (at < line.size() && line[at] == '"') quoted = !quoted;
+    if (at < line.size() && (quoted || line[at] != separator)) continue;
+    std::string_view field = line.substr(begin, at - begin);
+    begin = at + 1;
+    while (!field.empty() && blank(field.front())) field.remove_prefix(1);
+    while (!field.empty() && blank(field.back())) field.remove_suffix(1);
+    if (field.size() > 1 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
+    out.push_back(field);
+  }
+}
+
 /// All fields as numbers; false at the first that is none, whose index is then out.size().
 inline bool parse_numbers(const std::vector<std::string_view>& fields, std::vector<double>& out) {
   out.clear();

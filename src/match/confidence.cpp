@@ -133,7 +133,7 @@ ConfidenceFeatures confidence_features(const SearchOutcome& outcome) {
   ConfidenceFeatures f;
   if (outcome.hypotheses.empty()) return f;
   const auto log_of = [](double value) { return std::log(std::clamp(value, 1e-3, 1.0)) + 3.0; };
-  const Evidence& e = outcome.evidence;
+  const PoseEvidence& e = outcome.evidence;
   const double hits = std::max(e.hits, 1);
   auto& v = f.value;
   v[kConstant] = 1.0;

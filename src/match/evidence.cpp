@@ -133,7 +133,7 @@ namespace {
 
 // Adds what `other` says of `hits`, seen at T_other_hits.
 void weigh_one_way(const PreparedScan& other, const SurfaceBatch& hits, const Pose2& T_other_hits, double slack_m,
-                   Evidence& sum) {
+                   PoseEvidence& sum) {
   if (other.size() == 0 || hits.count == 0) return;
   const SurfacePoints& surface = other.surface;
   EvidenceTask task{other.nearest.view(),
@@ -165,9 +165,9 @@ void weigh_one_way(const PreparedScan& other, const SurfaceBatch& hits, const Po
 
 }  // namespace
 
-Evidence weigh_evidence(const PreparedScan& reference, const PreparedScan& scan, const SurfaceBatch& reference_hits,
-                        const SurfaceBatch& scan_hits, const Pose2& T_ref_scan, double slack_m) {
-  Evidence sum;
+PoseEvidence weigh_evidence(const PreparedScan& reference, const PreparedScan& scan, const SurfaceBatch& reference_hits,
+                            const SurfaceBatch& scan_hits, const Pose2& T_ref_scan, double slack_m) {
+  PoseEvidence sum;
   weigh_one_way(reference, scan_hits, T_ref_scan, slack_m, sum);
   weigh_one_way(scan, reference_hits, T_ref_scan.inverse(), slack_m, sum);
   return sum;

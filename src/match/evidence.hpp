@@ -14,7 +14,7 @@ struct EvidenceWeights {
 };
 
 /// Counts of hits by what the other scan says of them, both ways together.
-struct Evidence {
+struct PoseEvidence {
   double matched = 0.0;  ///< each hit counts by how near it is, 0..1
   double violation = 0.0;
   double occluded = 0.0;
@@ -31,7 +31,7 @@ struct Evidence {
 
 /// Evidence of the given hits of both scans at T_ref_scan. The tolerance follows noise, cells and `slack_m`.
 /// @cost a few ns a hit
-Evidence weigh_evidence(const PreparedScan& reference, const PreparedScan& scan, const SurfaceBatch& reference_hits,
-                        const SurfaceBatch& scan_hits, const Pose2& T_ref_scan, double slack_m);
+PoseEvidence weigh_evidence(const PreparedScan& reference, const PreparedScan& scan, const SurfaceBatch& reference_hits,
+                            const SurfaceBatch& scan_hits, const Pose2& T_ref_scan, double slack_m);
 
 }  // namespace phasescan

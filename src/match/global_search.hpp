@@ -41,7 +41,7 @@ inline constexpr double kFlatProfile = 0.01;
 struct SearchOutcome {
   std::vector<Hypothesis> hypotheses;  ///< distinct poses
   PointToLineResult refined;           ///< of the best
-  Evidence evidence;                   ///< of the best
+  PoseEvidence evidence;               ///< of the best
   double margin =
       0.0;  ///< score of the best less that of the next distinct pose; 2 more than the score if there is none
   double profile = 0.0;  ///< least drop of the score a little way along the weakest direction

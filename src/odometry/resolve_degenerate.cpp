@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "odometry/degeneracy.hpp"
@@ -35,18 +36,38 @@ struct Placement {
   float c, s, x, y;
 };
 
+/// log(kOutlier + (1 - kOutlier) exp(-x)), from a table: thousands are asked for per scan. Off by 5e-5 at most.
+class LogLikelihood {
+ public:
+  LogLikelihood() {
+    for (std::size_t k = 0; k < values_.size(); ++k)
+      values_[k] = std::log(kOutlier + (1.0F - kOutlier) * std::exp(-static_cast<float>(k) * kStep));
+  }
+  float operator()(float x) const {
+    const float at = x * (1.0F / kStep);
+    if (!(at < kLast)) return values_.back();
+    const auto k = static_cast<std::size_t>(at);
+    return values_[k] + (at - static_cast<float>(k)) * (values_[k + 1] - values_[k]);
+  }
+
+ private:
+  static constexpr float kStep = 0.02F, kLast = 800.0F;  // beyond x = 16 nothing but outliers are left
+  std::array<float, 801> values_{};
+};
+
 /// Logarithm of the likelihood of a hit at a pose; empty where the map knows nothing of the place.
 std::optional<float> fit_of(const LocalMap& map, const MapPoints& points, std::size_t i, const Placement& at) {
+  static const LogLikelihood kLogLikelihood;
   const float px = at.c * points.x[i] - at.s * points.y[i] + at.x, py = at.s * points.x[i] + at.c * points.y[i] + at.y;
   const float nx = at.c * points.nx[i] - at.s * points.ny[i], ny = at.s * points.nx[i] + at.c * points.ny[i];
   const Surfel* surfel = map.find(px, py, nx, ny, -1.1F);
   if (!surfel) return std::nullopt;
   const float dx = px - surfel->x, dy = py - surfel->y;
   const float across = dx * surfel->nx + dy * surfel->ny, along = dy * surfel->nx - dx * surfel->ny;
-  if (surfel->nx * nx + surfel->ny * ny < kFacesCosine) return std::log(kOutlier);
+  if (surfel->nx * nx + surfel->ny * ny < kFacesCosine) return kLogLikelihood(std::numeric_limits<float>::infinity());
   if (std::fabs(along) > kEndM) return std::nullopt;
   const float variance = points.variance[i] + surfel->variance + kReliefM * kReliefM;
-  return std::log(kOutlier + (1.0F - kOutlier) * std::exp(-0.5F * across * across / variance));
+  return kLogLikelihood(0.5F * across * across / variance);
 }
 
 /// Adds what a hit says of each pose. Where nothing is known it is taken to fit as it does elsewhere.

@@ -54,6 +54,8 @@ class ScanToScan {
     bool certain = false;
   };
 
+  explicit ScanToScan(const MatchOptions& options = {}) : matcher_(options) {}
+
   /// The pose of a scan by a global match against the last one of the same laser, else the latest of another; empty
   /// where there is not even a guess. Each scan counts with the mounting it was taken with.
   /// @param twist  of the base during the scan, as far as it is known

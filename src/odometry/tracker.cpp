@@ -83,7 +83,8 @@ struct Tracker::Solution {
   bool first_deskewed = false;  ///< the first keyframe was changed by what was found
 };
 
-Tracker::Tracker(const OdometryOptions& options, OdometryState state) : options_(options), state_(std::move(state)) {
+Tracker::Tracker(const OdometryOptions& options, OdometryState state, const MatchOptions& match)
+    : options_(options), state_(std::move(state)), scan_to_scan_(match) {
   validate_options("odometry", options_);
   if (!state_.window.empty()) rebuild_map();
 }

@@ -45,7 +45,8 @@ struct TrackerStep {
 class Tracker {
  public:
   /// @throws std::invalid_argument naming the option out of bounds.
-  explicit Tracker(const OdometryOptions& options = {}, OdometryState state = {});
+  /// @param match  of the matches with the last scan
+  explicit Tracker(const OdometryOptions& options = {}, OdometryState state = {}, const MatchOptions& match = {});
 
   /// The next scan, of any laser of the robot.
   TrackerStep add(const RangeMeasurement& measurement);

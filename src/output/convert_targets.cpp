@@ -89,7 +89,7 @@ std::string convert_target_for(const std::string& path) {
   if (const auto target = find_log_target(path)) return log_target_names()[static_cast<std::size_t>(*target)];
   std::string known = log_endings();
   for (const Ending& ending : kEndings) known += ", " + std::string(ending.ending);
-  throw InputError(path, 0, "the name does not tell the format; expected one ending in " + known + ", or --to");
+  throw InputError(path, 0, "the name does not tell the format; expected one ending in " + known + ", or --format");
 }
 
 std::unique_ptr<LogWriter> make_convert_writer(const std::string& target, const std::string& path) {

@@ -51,6 +51,7 @@ namespace {
 
 constexpr int kReach = NearestGrid::kReachCells;
 constexpr std::uint32_t kNone = 127U << 25;
+constexpr std::size_t kRows = 2 * kReach + 1, kCellsOfAPoint = 8 * kRows;  // that SpreadKeys writes
 
 std::array<std::uint32_t, 56> make_pattern() {
   std::array<std::uint32_t, 56> pattern{};
@@ -69,10 +70,21 @@ void NearestGrid::build(std::span<const SurfacePoint> points, float half_width, 
   static const auto kPattern = make_pattern();
   const int inner = 2 * static_cast<int>(std::ceil(half_width / cell)) + 2;
   const int n = inner + 2 * kReach + 2;
-  const auto stride = static_cast<std::size_t>(n);
+  const auto rows = static_cast<std::size_t>(n);
+  // A grid that is large for its points is not filled anew: the cells written last time are, and the rows stay as long.
+  const std::size_t before = view_.stride, written = kCellsOfAPoint * occupied_;
+  const bool keep =
+      before >= rows && before <= 2 * rows && keys_.size() >= rows * before + 8 && 2 * written < rows * rows;
+  const std::size_t stride = keep ? before : rows;
+  if (keep) {
+    for (std::size_t k = 0; k < occupied_; ++k) {
+      for (std::size_t r = 0; r < kRows; ++r) std::fill_n(keys_.begin() + corners_[k] + r * stride, 8, kNone);
+    }
+  } else {
+    keys_.resize(rows * rows + 8);
+  }
   view_ = {nullptr, 0.5F * static_cast<float>(n) * cell, 1.0F / cell, static_cast<float>(n),
-           static_cast<std::uint32_t>(n)};
-  keys_.resize(stride * stride + 8);
+           static_cast<std::uint32_t>(stride)};
   corners_.resize(points.size());
   indices_.resize(points.size());
   std::size_t occupied = 0;
@@ -89,8 +101,9 @@ void NearestGrid::build(std::span<const SurfacePoint> points, float half_width, 
     corners_[occupied] = corner;
     indices_[occupied++] = static_cast<std::uint32_t>(i + 1);
   }
+  occupied_ = occupied;
   HWY_DYNAMIC_DISPATCH(SpreadKeys)
-  (keys_.size(), kNone, corners_.data(), indices_.data(), occupied, stride, kPattern.data(), keys_.data());
+  (keep ? 0 : keys_.size(), kNone, corners_.data(), indices_.data(), occupied, stride, kPattern.data(), keys_.data());
 }
 
 }  // namespace phasescan

@@ -9,6 +9,14 @@ namespace phasescan {
 namespace {
 
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
+constexpr double kMostRange_m = 1e6;    // no sensor sees so far; squares and fourth powers of it fit a float
+constexpr double kMostAngle_rad = 1e4;  // beyond it a float no longer tells one beam from the next
+
+void check_angle(const char* name, double angle) {
+  if (std::abs(angle) <= kMostAngle_rad) return;
+  throw std::invalid_argument(std::string("scan.") + name + ": a beam at " + std::to_string(angle) +
+                              " rad; expected at most 1e4");
+}
 
 BeamState classify(float raw, float range_min, float range_max) {
   if (raw > 0.0F && raw >= range_min && raw <= range_max) return BeamState::kHit;  // most are: asked first
@@ -41,6 +49,7 @@ Scan make_scan(std::span<const float> raw, const ScanGeometry& geometry, std::sp
   }
   for (const float angle : angles) {
     if (!std::isfinite(angle)) throw std::invalid_argument("scan.angles: an angle is not finite");
+    check_angle("angles", static_cast<double>(angle));
   }
   Scan scan;
   scan.geometry = geometry;
@@ -49,19 +58,26 @@ Scan make_scan(std::span<const float> raw, const ScanGeometry& geometry, std::sp
     if (raw.size() > 1 && !(std::isfinite(geometry.angle_increment) && geometry.angle_increment != 0.0)) {
       throw std::invalid_argument("scan.angle_increment: must be finite and not 0");
     }
+    check_angle("angle_min", geometry.angle_min);
+    if (raw.size() > 1)
+      check_angle("angle_increment",
+                  geometry.angle_min + static_cast<double>(raw.size() - 1) * geometry.angle_increment);
   }
   // Drivers fill the limits with nonsense often enough (0, NaN, max below min): unknown then.
   double& low = scan.geometry.range_min;
   double& high = scan.geometry.range_max;
-  if (!(low > 0.0) || !std::isfinite(low)) low = 0.0;
-  if (!(high > low) || !std::isfinite(high)) high = 0.0;
+  if (!(low > 0.0 && low <= kMostRange_m)) low = 0.0;
+  if (!(high > low && high <= kMostRange_m)) high = 0.0;
 
   const auto limit_low = static_cast<float>(low);
-  const float limit_high = high > 0.0 ? static_cast<float>(high) : std::numeric_limits<float>::max();
+  const auto limit_high = static_cast<float>(high > 0.0 ? high : kMostRange_m);
   scan.ranges.resize(raw.size());
   scan.states.resize(raw.size());
   for (std::size_t i = 0; i < raw.size(); ++i) {
     scan.states[i] = classify(raw[i], limit_low, limit_high);
+    // Without a stated limit nobody said that the sensor looked so far.
+    if (high == 0.0 && scan.states[i] == BeamState::kOutOfRange && std::isfinite(raw[i]))
+      scan.states[i] = BeamState::kInvalid;
     scan.ranges[i] = scan.states[i] == BeamState::kHit ? raw[i] : kMissing;
   }
   scan.angles.assign(angles.begin(), angles.end());

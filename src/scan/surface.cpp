@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <span>
 
 #include "scan/surface_lines.hpp"
 
@@ -16,29 +17,60 @@ constexpr int kBeamsPerRestart = 64;  // the rotation recurrence is restarted so
 constexpr double kReliefM = 0.01;     // [m] of walls: a noise of so much begins to hide it
 constexpr double kMinFloor = 0.004;   // [m] no lidar of this kind is better than this
 
-// The nth smallest of values that are not negative; changes their order. A count by leading bits finds the few that are
-// worth a sort.
-float nth_smallest(std::vector<float>& values, std::size_t nth) {
-  constexpr int kShift = 20, kFirst = 110 << 3, kBuckets = 256;  // eighths of octaves from 8e-6 to 3e4
-  const auto bucket_of = [](float value) {
-    return std::clamp(static_cast<int>(std::bit_cast<std::uint32_t>(value) >> kShift) - kFirst, 0, kBuckets - 1);
-  };
-  std::array<std::uint32_t, kBuckets> counts{};
-  for (const float value : values) ++counts[static_cast<std::size_t>(bucket_of(value))];
-  int bucket = 0;
-  for (std::size_t k = 0; nth >= counts[k]; ++k, ++bucket) nth -= counts[k];
-  std::size_t kept = 0;
-  for (const float value : values) {
-    values[kept] = value;
-    kept += bucket_of(value) == bucket;
+// Order statistics of values that are not negative. A count by leading bits finds the few values that are worth a sort.
+class Ranks {
+ public:
+  explicit Ranks(std::span<const float> values) : values_(values) {
+    for (const float value : values) ++counts_[bucket_of(value)];
   }
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(nth);
-  std::nth_element(values.begin(), at, values.begin() + static_cast<std::ptrdiff_t>(kept));
-  return *at;
+
+  // The nth smallest. @param scratch  loses what it held
+  float nth_smallest(std::size_t nth, std::vector<float>& scratch) const {
+    std::size_t bucket = 0;
+    for (; nth >= counts_[bucket]; ++bucket) nth -= counts_[bucket];
+    scratch.resize(values_.size());
+    std::size_t kept = 0;
+    for (const float value : values_) {
+      scratch[kept] = value;
+      kept += bucket_of(value) == bucket;
+    }
+    const auto at = scratch.begin() + static_cast<std::ptrdiff_t>(nth);
+    std::nth_element(scratch.begin(), at, scratch.begin() + static_cast<std::ptrdiff_t>(kept));
+    return *at;
+  }
+
+ private:
+  static constexpr int kShift = 20, kFirst = 110 << 3, kBuckets = 256;  // eighths of octaves from 8e-6 to 3e4
+  static std::size_t bucket_of(float value) {
+    return static_cast<std::size_t>(
+        std::clamp(static_cast<int>(std::bit_cast<std::uint32_t>(value) >> kShift) - kFirst, 0, kBuckets - 1));
+  }
+
+  std::span<const float> values_;
+  std::array<std::uint32_t, kBuckets> counts_{};
+};
+
+double median_of(std::span<const float> values, std::vector<float>& scratch) {
+  return values.empty() ? 0.0 : static_cast<double>(Ranks(values).nth_smallest(values.size() / 2, scratch));
 }
 
-double median_of(std::vector<float>& values) {
-  return values.empty() ? 0.0 : static_cast<double>(nth_smallest(values, values.size() / 2));
+// Beams in order of direction, counter-clockwise: `order` holds beam indices, `angle` their directions [rad].
+void sort_beams(const Scan& scan, SurfaceWorkspace& work) {
+  const std::size_t n = scan.size();
+  work.angle.resize(n);
+  work.order.resize(n);
+  if (scan.angles.empty()) {
+    const bool forward = scan.geometry.angle_increment >= 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t beam = forward ? i : n - 1 - i;
+      work.order[i] = static_cast<int>(beam);
+      work.angle[i] = scan.angle(beam);
+    }
+    return;
+  }
+  std::iota(work.order.begin(), work.order.end(), 0);
+  std::stable_sort(work.order.begin(), work.order.end(), [&](int a, int b) { return scan.angles[a] < scan.angles[b]; });
+  for (std::size_t i = 0; i < n; ++i) work.angle[i] = scan.angle(static_cast<std::size_t>(work.order[i]));
 }
 
 void directions(const Scan& scan, SurfaceWorkspace& work) {
@@ -57,6 +89,19 @@ void directions(const Scan& scan, SurfaceWorkspace& work) {
       work.sin_angle[i] = work.sin_angle[i - 1] * cs + work.cos_angle[i - 1] * ss;
     }
   }
+}
+
+// Order, angle, cosine and sine of the beams; those at hand where the last scan lay alike.
+void find_directions(const Scan& scan, SurfaceWorkspace& work) {
+  const ScanGeometry& geometry = scan.geometry;
+  if (work.directions_known && scan.angles.empty() && work.order.size() == scan.size() &&
+      work.angle_min == geometry.angle_min && work.angle_increment == geometry.angle_increment)
+    return;
+  sort_beams(scan, work);
+  directions(scan, work);
+  work.angle_min = geometry.angle_min;
+  work.angle_increment = geometry.angle_increment;
+  work.directions_known = scan.angles.empty();
 }
 
 void take_points(const Scan& scan, const Twist2& twist, const SurfaceWorkspace& work, SurfacePoints& out) {
@@ -94,28 +139,36 @@ void take_points(const Scan& scan, const Twist2& twist, const SurfaceWorkspace& 
 RangeNoise estimate_noise(const SurfacePoints& points, SurfaceWorkspace& work) {
   RangeNoise noise{0.01F, 0.01F};
   const std::size_t n = points.size();
-  auto& all = work.scratch;
-  all.clear();
+  const auto in_run = [&](std::size_t i) { return points.beam[i + 1] - points.beam[i - 1] == 2; };
+  work.near.resize(n);
+  std::size_t count = 0;
   for (std::size_t i = 1; i + 1 < n; ++i) {
-    if (points.beam[i + 1] - points.beam[i - 1] != 2) continue;
-    all.push_back(points.range[i]);
+    work.near[count] = points.range[i];
+    count += in_run(i);
   }
-  if (all.size() < 16) return noise;
-  const auto split = static_cast<float>(median_of(all));
+  if (count < 16) return noise;
+  work.near.resize(count);
+  const Ranks ranges(work.near);
+  const float split = ranges.nth_smallest(count / 2, work.scratch);
+  // The near half: up to the median, and what equals it.
+  std::size_t of_half[2] = {0, 0};
+  for (const float range : work.near) ++of_half[range > split];
+  const double range[2] = {
+      static_cast<double>(ranges.nth_smallest(of_half[0] / 2, work.scratch)),
+      of_half[1] > 0 ? static_cast<double>(ranges.nth_smallest(of_half[0] + of_half[1] / 2, work.scratch)) : 0.0};
+  work.near.resize(n);
+  work.far.resize(n);
+  std::size_t near = 0, far = 0;
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const float difference = std::fabs(points.range[i - 1] - 2.0F * points.range[i] + points.range[i + 1]);
+    work.near[near] = work.far[far] = difference;
+    const bool counts = in_run(i), is_far = points.range[i] > split;
+    near += counts && !is_far;
+    far += counts && is_far;
+  }
   constexpr double kToSigma = 1.0 / (0.6745 * 2.4495);  // median |r0 - 2 r1 + r2| of unit noise is 0.6745 sqrt(6)
-  double sigma[2], range[2];
-  for (int half = 0; half < 2; ++half) {
-    work.scratch.clear();
-    work.scratch2.clear();
-    for (std::size_t i = 1; i + 1 < n; ++i) {
-      if (points.beam[i + 1] - points.beam[i - 1] != 2) continue;
-      if ((points.range[i] > split) != (half == 1)) continue;
-      work.scratch.push_back(std::fabs(points.range[i - 1] - 2.0F * points.range[i] + points.range[i + 1]));
-      work.scratch2.push_back(points.range[i]);
-    }
-    sigma[half] = kToSigma * median_of(work.scratch);
-    range[half] = median_of(work.scratch2);
-  }
+  const double sigma[2] = {kToSigma * median_of(std::span(work.near).first(near), work.scratch),
+                           kToSigma * median_of(std::span(work.far).first(far), work.scratch)};
   const double most = std::max(0.06, 0.05 * range[0]);
   noise.floor_m = static_cast<float>(std::clamp(sigma[0], std::min(std::max(kMinFloor, 0.25 * sigma[1]), most), most));
   const double far_rate = range[1] > 0.0 ? sigma[1] / range[1] : 0.01;
@@ -149,28 +202,9 @@ void find_segments(const SurfacePoints& points, double spacing, SurfaceWorkspace
 
 }  // namespace
 
-void sort_beams(const Scan& scan, SurfaceWorkspace& work) {
-  const std::size_t n = scan.size();
-  work.angle.resize(n);
-  work.order.resize(n);
-  if (scan.angles.empty()) {
-    const bool forward = scan.geometry.angle_increment >= 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t beam = forward ? i : n - 1 - i;
-      work.order[i] = static_cast<int>(beam);
-      work.angle[i] = scan.angle(beam);
-    }
-    return;
-  }
-  std::iota(work.order.begin(), work.order.end(), 0);
-  std::stable_sort(work.order.begin(), work.order.end(), [&](int a, int b) { return scan.angles[a] < scan.angles[b]; });
-  for (std::size_t i = 0; i < n; ++i) work.angle[i] = scan.angle(static_cast<std::size_t>(work.order[i]));
-}
-
 void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work, SurfacePoints& out,
                   const WallLines& lines) {
-  sort_beams(scan, work);
-  directions(scan, work);
+  find_directions(scan, work);
   const std::size_t beams = scan.size();
   out.spacing = beams > 1 ? (work.angle.back() - work.angle.front()) / static_cast<double>(beams - 1) : 0.0;
   take_points(scan, twist, work, out);
@@ -179,8 +213,7 @@ void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work,
   out.normal_variance.resize(n);
   out.extent = 0.0;
   if (n > 0) {
-    work.scratch.assign(out.range.begin(), out.range.end());
-    out.extent = static_cast<double>(nth_smallest(work.scratch, (95 * (n - 1)) / 100));
+    out.extent = static_cast<double>(Ranks(out.range).nth_smallest((95 * (n - 1)) / 100, work.scratch));
   }
   out.noise = estimate_noise(out, work);
   for (std::size_t i = 0; i < n; ++i) out.sigma[i] = out.noise.sigma(out.range[i]);

@@ -65,8 +65,10 @@ struct SurfaceBatch {
   void put(std::size_t k, const SurfacePoint& point, float point_sigma);
 };
 
-/// Buffers of `find_surface`, kept between calls.
+/// Buffers of `find_surface`, kept between calls. Directions of beams are kept too, while scans of one geometry come.
 struct SurfaceWorkspace {
+  double angle_min = 0.0, angle_increment = 0.0;  ///< of the directions at hand
+  bool directions_known = false;                  ///< false: of none, or listed ones
   std::vector<double> angle;
   std::vector<int> order;
   std::vector<double> cos_angle, sin_angle;
@@ -74,7 +76,7 @@ struct SurfaceWorkspace {
   std::vector<std::int32_t> segment_begin, segment_end, half;
   std::vector<double> lines;
   std::vector<std::uint8_t> found;
-  std::vector<float> hits, scratch, scratch2;
+  std::vector<float> hits, scratch, near, far;
 };
 
 /// How far walls are followed: the mean square across a longer line, in variances of the range noise, up to which it is
@@ -88,10 +90,6 @@ struct WallLines {
   /// along their beams by that alone, and seem a wall that faces along the scanner's way.
   double least_spread = 0.0;
 };
-
-/// Beams of a scan in order of direction, counter-clockwise: `order` holds beam indices, `angle` their directions
-/// [rad].
-void sort_beams(const Scan& scan, SurfaceWorkspace& work);
 
 /// Finds points, noise and normals of a scan.
 ///

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "sim/beam_cast.hpp"
 
@@ -20,12 +21,26 @@ double patch_number(const Vector2d& place, double patch_m, std::uint64_t which) 
   return static_cast<double>(bits >> 11) * 0x1.0p-53;
 }
 
-/// Whether a surface ends between two neighbouring hits: neither lies on the other's surface, or one is none.
-bool surface_ends(const RayHit& a, double angle_a, const RayHit& b, double angle_b) {
-  constexpr double kDeep_m = 0.05;
-  if (!a.found() || !b.found()) return a.found() != b.found();
-  const Vector2d apart = b.range * unit(angle_b) - a.range * unit(angle_a);
-  return std::abs(a.normal.dot(apart)) > kDeep_m && std::abs(b.normal.dot(apart)) > kDeep_m;
+/// Where between two beams a surface ends before another, as a share of the way from one to the other; nothing where
+/// the ranges run on. Halving the way halves the difference of ranges on any surface that goes on, however steep.
+std::optional<double> find_edge(const Surroundings& around, const LidarOptions& lidar, const Beams& beams,
+                                std::size_t a, std::size_t b) {
+  constexpr double kDeep_m = 0.1;
+  constexpr int kHalvings = 6;
+  if (!beams.hits[a].found() || !beams.hits[b].found()) return {};
+  double near = beams.hits[a].range, far = beams.hits[b].range, from = 0.0, to = 1.0;
+  const double turn = wrap_angle(beams.angles[b] - beams.angles[a]);
+  for (int i = 0; i < kHalvings; ++i) {
+    if (std::abs(far - near) < kDeep_m) return {};
+    const double middle = 0.5 * (from + to);
+    const RayHit hit =
+        cast_ray(around, lidar, beams.pose(a), beam_ray(lidar, beams.pose(a), beams.angles[a] + middle * turn));
+    if (!hit.found()) return {};
+    const bool first_half = std::abs(hit.range - near) > std::abs(far - hit.range);
+    (first_half ? to : from) = middle;
+    (first_half ? far : near) = hit.range;
+  }
+  return std::abs(far - near) < kDeep_m ? std::nullopt : std::optional(0.5 * (from + to));
 }
 
 }  // namespace
@@ -40,7 +55,7 @@ double surface_loss(const LidarOptions& lidar, const Vector2d& place, double ran
   return 1.0 - (1.0 - by_range) * (1.0 - by_patch) * (1.0 - by_edge);
 }
 
-std::vector<double> edge_losses(const Beams& beams, const LidarOptions& lidar) {
+std::vector<double> edge_losses(const Surroundings& around, const Beams& beams, const LidarOptions& lidar) {
   const SensorEffects& effects = lidar.effects;
   if (effects.edge_loss <= 0.0) return {};
   const std::size_t n = beams.hits.size();
@@ -54,9 +69,10 @@ std::vector<double> edge_losses(const Beams& beams, const LidarOptions& lidar) {
   const bool closed = lidar.fov_deg >= 360.0;
   for (std::size_t k = 0; k + (closed ? 0 : 1) < asked.size(); ++k) {
     const std::size_t i = asked[k], j = asked[(k + 1) % asked.size()];
-    if (!surface_ends(beams.hits[i], beams.angles[i], beams.hits[j], beams.angles[j])) continue;
+    const auto edge_at = find_edge(around, lidar, beams, i, j);
+    if (!edge_at) continue;
     const auto size = static_cast<std::ptrdiff_t>(n), first = static_cast<std::ptrdiff_t>(i);
-    const double edge = 0.5 * static_cast<double>(j > i ? j - i : j + n - i);
+    const double edge = *edge_at * static_cast<double>(j > i ? j - i : j + n - i);
     for (std::ptrdiff_t d = -reach; d <= reach + 1; ++d) {
       if (!closed && (first + d < 0 || first + d >= size)) continue;
       const double off_deg = std::abs(static_cast<double>(d) - edge) * step_deg;

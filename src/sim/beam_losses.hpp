@@ -15,6 +15,7 @@ namespace phasescan::sim {
 double surface_loss(const LidarOptions& lidar, const Eigen::Vector2d& place, double range, double by_edge);
 
 /// Share of each beam's answers that are lost as an edge is near; empty where the sensor loses none.
-std::vector<double> edge_losses(const Beams& beams, const LidarOptions& lidar);
+/// @cost a few rays for every two neighbouring beams whose ranges differ
+std::vector<double> edge_losses(const Surroundings& around, const Beams& beams, const LidarOptions& lidar);
 
 }  // namespace phasescan::sim

@@ -81,7 +81,7 @@ Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar, Revolu
   // one effect does not shift the noise of the beams behind it. Else one stream for all, as old sensor files have it.
   const bool own_streams = lidar.effects.moves_beams();
   const std::uint64_t base = own_streams ? random.bits() : 0;
-  const std::vector<double> edges = edge_losses(beams, lidar);
+  const std::vector<double> edges = edge_losses(around, beams, lidar);
   std::vector<float> raw(count, 0.0F);
   const bool closed = lidar.fov_deg >= 360.0;
   for (std::size_t i = 0; i < count; ++i) {

@@ -14,7 +14,7 @@ constexpr int kFinalPasses = 2;  // the second finds what came near only by the 
 Backend::Backend(const SlamOptions& options, BackendState state)
     : options_(options),
       session_(options.loops, std::move(state.session)),
-      places_(options.loops, std::move(state.places)),
+      places_(options.loops, options.match, std::move(state.places)),
       closer_(options, std::move(state.loops)),
       admission_(make_admission(options, std::move(state.admission))),
       covariance_(state.covariance),

@@ -88,7 +88,9 @@ struct PlaceSearch::Impl {
   }
 };
 
-PlaceSearch::PlaceSearch(const LoopOptions& options, PlaceSearchState state) : impl_(std::make_unique<Impl>()) {
+PlaceSearch::PlaceSearch(const LoopOptions& options, const MatchOptions& match, PlaceSearchState state)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->matcher = ScanMatcher(match);
   impl_->options = options;
   impl_->state = std::move(state);
 }

@@ -44,7 +44,8 @@ struct PlaceSearchState {
 /// One object per thread.
 class PlaceSearch {
  public:
-  explicit PlaceSearch(const LoopOptions& options, PlaceSearchState state = {});
+  /// @param match  of the matches that verify a place
+  explicit PlaceSearch(const LoopOptions& options, const MatchOptions& match = {}, PlaceSearchState state = {});
   ~PlaceSearch();
   PlaceSearch(PlaceSearch&&) noexcept;
 

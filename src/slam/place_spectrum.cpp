@@ -1,5 +1,57 @@
 #include "slam/place_spectrum.hpp"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "slam/place_spectrum.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace phasescan {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr hn::CappedTag<float, 16> kF;  // PlaceSpectrum::kLanes is a multiple of 16
+using V = hn::Vec<decltype(kF)>;
+
+// One butterfly of four, times the three turning factors, for all lanes; the four parts of x are `from` apart, those of
+// y are `to` apart.
+void Butterfly(const float* HWY_RESTRICT re, const float* HWY_RESTRICT im, std::size_t from, float* HWY_RESTRICT to_re,
+               float* HWY_RESTRICT to_im, std::size_t to, const float (&c)[3], const float (&s)[3], std::size_t lanes) {
+  const auto turned = [&](int k, V x, V y, std::size_t at) {
+    const V cosine = hn::Set(kF, c[k]), sine = hn::Set(kF, s[k]);
+    hn::StoreU(hn::Sub(hn::Mul(cosine, x), hn::Mul(sine, y)), kF, to_re + at);
+    hn::StoreU(hn::Add(hn::Mul(cosine, y), hn::Mul(sine, x)), kF, to_im + at);
+  };
+  for (std::size_t l = 0; l < lanes; l += hn::Lanes(kF)) {
+    const V r0 = hn::LoadU(kF, re + l), r1 = hn::LoadU(kF, re + from + l), r2 = hn::LoadU(kF, re + 2 * from + l),
+            r3 = hn::LoadU(kF, re + 3 * from + l);
+    const V i0 = hn::LoadU(kF, im + l), i1 = hn::LoadU(kF, im + from + l), i2 = hn::LoadU(kF, im + 2 * from + l),
+            i3 = hn::LoadU(kF, im + 3 * from + l);
+    const V ar = hn::Add(r0, r2), ai = hn::Add(i0, i2), br = hn::Sub(r0, r2), bi = hn::Sub(i0, i2);
+    const V cr = hn::Add(r1, r3), ci = hn::Add(i1, i3);
+    const V dr = hn::Sub(i3, i1), di = hn::Sub(r1, r3);  // i (x1 - x3)
+    hn::StoreU(hn::Add(ar, cr), kF, to_re + l);
+    hn::StoreU(hn::Add(ai, ci), kF, to_im + l);
+    turned(0, hn::Sub(br, dr), hn::Sub(bi, di), to + l);
+    turned(1, hn::Sub(ar, cr), hn::Sub(ai, ci), 2 * to + l);
+    turned(2, hn::Add(br, dr), hn::Add(bi, di), 3 * to + l);
+  }
+}
+
+// Sums and differences of the two halves.
+void LastPass(const float* HWY_RESTRICT in, std::size_t half, float* HWY_RESTRICT out) {
+  for (std::size_t k = 0; k < half; k += hn::Lanes(kF)) {
+    const V a = hn::LoadU(kF, in + k), b = hn::LoadU(kF, in + k + half);
+    hn::StoreU(hn::Add(a, b), kF, out + k);
+    hn::StoreU(hn::Sub(a, b), kF, out + k + half);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace phasescan
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -7,34 +59,12 @@
 #include "phasescan/core/angle.hpp"
 
 namespace phasescan {
+HWY_EXPORT(Butterfly);
+HWY_EXPORT(LastPass);
+
 namespace {
 
 constexpr std::size_t kSize = PlaceSpectrum::kSize, kHalf = PlaceSpectrum::kHalf;
-
-/// A row of values, real and imaginary parts apart.
-struct Row {
-  float *re, *im;
-};
-
-/// One butterfly of four, times the three turning factors, for all lanes.
-void butterfly(const Row (&x)[4], const Row (&y)[4], const float (&c)[3], const float (&s)[3], std::size_t lanes) {
-  for (std::size_t l = 0; l < lanes; ++l) {
-    const float ar = x[0].re[l] + x[2].re[l], ai = x[0].im[l] + x[2].im[l];
-    const float br = x[0].re[l] - x[2].re[l], bi = x[0].im[l] - x[2].im[l];
-    const float cr = x[1].re[l] + x[3].re[l], ci = x[1].im[l] + x[3].im[l];
-    // i (x1 - x3)
-    const float dr = x[3].im[l] - x[1].im[l], di = x[1].re[l] - x[3].re[l];
-    const float pr = br - dr, pi = bi - di, qr = ar - cr, qi = ai - ci, rr = br + dr, ri = bi + di;
-    y[0].re[l] = ar + cr;
-    y[0].im[l] = ai + ci;
-    y[1].re[l] = c[0] * pr - s[0] * pi;
-    y[1].im[l] = c[0] * pi + s[0] * pr;
-    y[2].re[l] = c[1] * qr - s[1] * qi;
-    y[2].im[l] = c[1] * qi + s[1] * qr;
-    y[3].re[l] = c[2] * rr - s[2] * ri;
-    y[3].im[l] = c[2] * ri + s[2] * rr;
-  }
-}
 
 }  // namespace
 
@@ -61,26 +91,17 @@ void PlaceSpectrum::transform() {
       const float c[3] = {cos_[p * stride], cos_[2 * p * stride], cos_[3 * p * stride]};
       const float s[3] = {sin_[p * stride], sin_[2 * p * stride], sin_[3 * p * stride]};
       for (std::size_t q = 0; q < stride; ++q) {
-        Row x[4], y[4];
-        for (std::size_t k = 0; k < 4; ++k) {
-          const std::size_t from = (q + stride * (p + k * quarter)) * kLanes, to = (q + stride * (4 * p + k)) * kLanes;
-          x[k] = {re_.data() + from, im_.data() + from};
-          y[k] = {re_to_.data() + to, im_to_.data() + to};
-        }
-        butterfly(x, y, c, s, kLanes);
+        const std::size_t from = (q + stride * p) * kLanes, to = (q + stride * 4 * p) * kLanes;
+        HWY_DYNAMIC_DISPATCH(Butterfly)
+        (re_.data() + from, im_.data() + from, stride * quarter * kLanes, re_to_.data() + to, im_to_.data() + to,
+         stride * kLanes, c, s, kLanes);
       }
     }
     std::swap(re_, re_to_);
     std::swap(im_, im_to_);
   }
-  constexpr std::size_t half = kSize / 2 * kLanes;
   for (auto [from, to] : {std::pair{&re_, &re_to_}, std::pair{&im_, &im_to_}}) {
-    const float* in = from->data();
-    float* out = to->data();
-    for (std::size_t k = 0; k < half; ++k) {
-      out[k] = in[k] + in[k + half];
-      out[k + half] = in[k] - in[k + half];
-    }
+    HWY_DYNAMIC_DISPATCH(LastPass)(from->data(), kSize / 2 * kLanes, to->data());
     std::swap(*from, *to);
   }
 }
@@ -111,3 +132,4 @@ const std::vector<float>& PlaceSpectrum::root_magnitudes() {
 }
 
 }  // namespace phasescan
+#endif

@@ -49,9 +49,12 @@ Keyframe to_keyframe(const TrackedKeyframe& tracked, ScanId scan) {
 
 struct Slam::Impl {
   Impl(const SlamOptions& o, Schedule schedule, Executor* executor)
-      : options(validated(o)), tracker(o.odometry), runner(o, {}, schedule, executor) {}
+      : options(validated(o)), tracker(o.odometry, {}, o.match), runner(o, {}, schedule, executor) {}
   Impl(const SlamState::Data& s, const SlamOptions& o, Schedule schedule, Executor* executor)
-      : options(validated(o)), tracker(o.odometry, s.odometry), runner(o, s.backend, schedule, executor), state(s) {
+      : options(validated(o)),
+        tracker(o.odometry, s.odometry, o.match),
+        runner(o, s.backend, schedule, executor),
+        state(s) {
     runner.set_pending(s.pending);
   }
 

@@ -10,7 +10,7 @@
 #include "core/random.hpp"
 #include "io/file.hpp"
 #include "io/pairs.hpp"
-#include "io/scan_json.hpp"
+#include "phasescan/io/scan_json.hpp"
 #include "io/scan_log.hpp"
 #include "support/command.hpp"
 #include "support/data.hpp"

@@ -195,21 +195,23 @@ constexpr RecordedRow kRecordedA1[] = {{0.2, 1.1, 6.5},  {0.5, 2.3, 7.4}, {1.0, 
                                        {2.0, 6.3, 10.8}, {3.0, 10.9, 15}, {4.0, 17, 20.4}};
 
 TEST(StandstillTable, TheSimulatedA1LooksLikeTheRecordedOne) {
+  // Rooms differ in how many beams of a row meet walls at an angle: three buildings, as one recording has many places.
+  std::vector<LogEntry> log;
   for (const std::uint64_t seed : {1, 2, 3}) {
-    const auto got =
-        test::calibrate(test::stops_log(sim::read_lidar("rplidar-a1-real"), {.stops = 60, .scans = 16, .seed = seed}));
-    ASSERT_TRUE(got);
-    for (const RecordedRow& recorded : kRecordedA1) {
-      const StandstillRow* row = row_from(got->table, recorded.from);
-      if (!row || row->beams < 100) continue;
-      // Rooms differ in how many beams of a row meet walls at an angle: a third either way.
-      EXPECT_NEAR(1000.0 * row->median, recorded.median, 0.34 * recorded.median) << recorded.from << " seed " << seed;
-      EXPECT_NEAR(1000.0 * row->steep, recorded.steep, 0.25 * recorded.steep) << recorded.from << " seed " << seed;
-    }
-    EXPECT_NEAR(got->table.turn_steps, 0.118, 0.02) << seed;
-    EXPECT_NEAR(got->table.present, 0.85, 0.05) << seed;
-    EXPECT_NEAR(got->table.come_and_go, 0.63, 0.1) << seed;
+    const auto more = test::stops_log(sim::read_lidar("rplidar-a1-real"), {.stops = 40, .scans = 16, .seed = seed});
+    log.insert(log.end(), more.begin(), more.end());
   }
+  const auto got = test::calibrate(log);
+  ASSERT_TRUE(got);
+  for (const RecordedRow& recorded : kRecordedA1) {
+    const StandstillRow* row = row_from(got->table, recorded.from);
+    ASSERT_TRUE(row) << recorded.from;
+    EXPECT_NEAR(1000.0 * row->median, recorded.median, 0.25 * recorded.median) << recorded.from;
+    EXPECT_NEAR(1000.0 * row->steep, recorded.steep, 0.25 * recorded.steep) << recorded.from;
+  }
+  EXPECT_NEAR(got->table.turn_steps, 0.118, 0.02);
+  EXPECT_NEAR(got->table.present, 0.85, 0.04);
+  EXPECT_NEAR(got->table.come_and_go, 0.63, 0.08);
 }
 
 TEST(StandstillTable, TheOldA1DoesNot) {

@@ -122,6 +122,16 @@ TEST(Recovery, EdgesThatAnswerNothing) {
   }
 }
 
+TEST(Recovery, MixedPixels) {
+  for (const double mixed : {0.0, 0.3, 0.8}) {
+    sim::LidarOptions lidar = plain_lidar();
+    lidar.mixed_pixels = mixed;
+    const auto got = calibrate(stops_log(lidar, {.stops = 40}));
+    ASSERT_TRUE(got);
+    EXPECT_NEAR(got->sensor.mixed_pixels, mixed, 0.35 * mixed + 0.02);
+  }
+}
+
 TEST(Recovery, LostSectorsAndRevolutions) {
   for (const std::uint64_t seed : {1, 2}) {
     sim::LidarOptions lidar = sim::read_lidar("rplidar-a1-lossy");

@@ -109,5 +109,14 @@ TEST(Config, AFileThatDoesNotExistIsAnInputError) {
   EXPECT_THROW(load_config(folder.path()), InputError);
 }
 
+TEST(Config, SlamReadsTheSectionsOfTheMatcher) {
+  const test::TempFolder folder;
+  folder.put("options.yaml", "match: {min_confidence: 0.5}\nmh: {candidates: 3}\nslam: {polish: false}\n");
+  const Config config = load_config(folder / "options.yaml");
+  EXPECT_EQ(config.slam.match.match.min_confidence, 0.5);
+  EXPECT_EQ(config.slam.match.global.candidates, 3);
+  EXPECT_EQ(config.sections_set, (std::vector<std::string>{"match", "global", "slam"}));
+}
+
 }  // namespace
 }  // namespace phasescan

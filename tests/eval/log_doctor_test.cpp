@@ -115,6 +115,33 @@ TEST(LogDoctor, FindsARobotTooFastForItsSensor) {
   EXPECT_THAT(kinds(examine([](int, LogEntry& e) { e.odometry.reset(); })), Not(Contains("too fast for its rate")));
 }
 
+TEST(LogDoctor, ASimulatedLaserAtRestIsNoRecorderThatRepeats) {
+  std::optional<Scan> first;
+  const auto at_rest = [&first](int k, LogEntry& e) {
+    if (!first) first = e.scan;
+    const Stamp stamp = e.scan.stamp;
+    if (k < 20) {
+      e.scan = *first;
+      e.odometry = Pose2{0.3, -0.2, 0.0};
+    }
+    e.scan.stamp = stamp;
+  };
+  EXPECT_THAT(kinds(examine(at_rest)), Not(Contains("scans doubled")));
+}
+
+TEST(LogDoctor, ATurnThatWasLostMakesNoTimeIncrementAbsurd) {
+  const auto lost = [](int k, LogEntry& e) { e.scan.time_increment = (k == 9 ? 2.0 : 1.0) * 0.19 / 240.0; };
+  EXPECT_THAT(kinds(examine(lost)), Not(Contains("time_increment absurd")));
+  EXPECT_THAT(kinds(examine([](int, LogEntry& e) { e.scan.time_increment = 0.19 / 240.0 / 50.0; })),
+              Contains("time_increment too small"));
+}
+
+TEST(LogDoctor, SaysWhatTheReaderRemarked) {
+  LogDoctor doctor;
+  const auto findings = doctor.findings({}, {{"several frames", "/scan has .."}, {"no scans", ".."}, {"other", ".."}});
+  EXPECT_THAT(kinds(findings), ElementsAre("several frames", "other"));
+}
+
 TEST(LogDoctor, HearsFromTheReaderWhatItReadAsUnknown) {
   EXPECT_THAT(kinds(examine([](int, LogEntry&) {}, 0.12, {{"time_increment absurd", "3 scans"}})),
               ElementsAre("time_increment absurd"));

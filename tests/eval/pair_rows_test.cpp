@@ -54,7 +54,7 @@ TEST(PairRows, HonestyCountsByHand) {
   outcomes.push_back(judge(known, answer({-0.03, 0, 0.01}, true), 0, 1));  // right & usable
   outcomes.push_back(judge(none, answer({}, true), 0, 1));                 // any usable answer is wrong
   outcomes.push_back(judge(none, answer({}, false), 0, 1));
-  const std::vector<PairRow> rows = pair_rows(outcomes);
+  const std::vector<BenchRow> rows = pair_rows(outcomes);
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[0].cls, "small");
   EXPECT_EQ(rows[0].n, 5u);
@@ -88,12 +88,12 @@ TEST(PairRows, OrderIsKnownClassesThenOthersAndTotalsAddUp) {
   }
   EXPECT_EQ(classes_in_order(outcomes), (std::vector<std::string>{"small", "global", "none", "weird"}));
   EXPECT_EQ(datasets_in_order(outcomes), (std::vector<std::string>{"b", "a"}));
-  const std::vector<PairRow> rows = pair_rows(outcomes);
+  const std::vector<BenchRow> rows = pair_rows(outcomes);
   ASSERT_EQ(rows.size(), 16u);
   EXPECT_EQ(rows[0].dataset, "b");
   EXPECT_EQ(rows[0].cls, "small");
   EXPECT_EQ(rows[1].method, 1u);
-  const std::vector<PairRow> totals = pair_totals(outcomes);
+  const std::vector<BenchRow> totals = pair_totals(outcomes);
   ASSERT_EQ(totals.size(), 2u * 2u + 4u * 2u + 2u);
   EXPECT_EQ(totals.back().n, 8u);
   EXPECT_EQ(totals.back().right, 6u);

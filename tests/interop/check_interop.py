@@ -2,8 +2,7 @@
 """Independent judges of the formats: what phasescan writes is read by npm's @mcap/core, and what it reads by python3-rosbag.
 
 Usage: check_interop.py PHASESCAN [--bags]; exit 77 (skipped) with one line where a judge is missing.
-With --bags: the bags of the recorded data ($PHASESCAN_DATA, else ../shared/data beside the source root). The npm packages are looked for in $INTEROP_MODULES; `npm install --prefix DIR @mcap/core @foxglove/rosmsg
-@foxglove/rosmsg2-serialization @foxglove/wasm-zstd` puts them into DIR/node_modules.
+With --bags: the bags of the recorded data ($PHASESCAN_DATA, else ../shared/data beside the source root). The npm packages are looked for in $INTEROP_MODULES, else in build/interop, where `scripts/test` puts them.
 """
 import json
 import math
@@ -16,6 +15,16 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 SKIPPED = 77
+
+
+def find_modules():
+    """Whether the npm packages are there; names the folder for read_mcap.mjs."""
+    folder = pathlib.Path(os.environ.get("INTEROP_MODULES", HERE.parents[1] / "build/interop"))
+    os.environ["INTEROP_MODULES"] = str(folder)
+    if (folder / "node_modules/@mcap/core").is_dir():
+        return True
+    print(f"skipped: {folder} holds no node_modules with @mcap/core and @foxglove/rosmsg2-serialization ($INTEROP_MODULES)")
+    return False
 
 
 def run(*command):
@@ -129,8 +138,7 @@ def main():
             for bag in bags:
                 check_bag(phasescan, rosbag, bag, folder)
             return 0
-        if "INTEROP_MODULES" not in os.environ:
-            print("skipped: $INTEROP_MODULES does not name a folder with the npm packages @mcap/core and @foxglove/rosmsg2-serialization")
+        if not find_modules():
             return SKIPPED
         check_mcap(phasescan, folder)
     return 0

@@ -11,7 +11,7 @@ import pathlib
 import sys
 import tempfile
 
-from check_interop import HERE, SKIPPED, float32, run
+from check_interop import HERE, SKIPPED, find_modules, float32, run
 
 
 def wrap(angle):
@@ -232,8 +232,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         if "--mcap" in sys.argv:
-            if "INTEROP_MODULES" not in os.environ:
-                print("skipped: $INTEROP_MODULES does not name a folder with the npm packages @mcap/core and @foxglove/rosmsg2-serialization")
+            if not find_modules():
                 return SKIPPED
             check_mcap(phasescan, folder)
         elif "--pgm" in sys.argv:

@@ -69,7 +69,8 @@ TEST(LowcostSlambot, AStepNoRobotMakesIsUnknownMotion) {
 
 TEST(LowcostSlambot, BadLinesArePassedOverByName) {
   const std::string good = slambot_line(0, 0, 0);
-  const Read read = read_text(good + "1 2 3 4\n" + "x" + good + "# words\n" + good + good.substr(0, good.size() - 9));
+  const Read read = read_text(good + "1 2 3 4\n" + "x" + good + "# words\n" + slambot_line(0, 0, 180) +
+                              good.substr(0, good.size() - 9));
   EXPECT_EQ(read.entries.size(), 2U);
   EXPECT_EQ(read.entries[1].line, 5);
   ASSERT_EQ(read.damages.size(), 3U);

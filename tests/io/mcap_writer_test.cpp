@@ -29,7 +29,7 @@ Scan some_scan(Stamp stamp) {
                                   -std::numeric_limits<float>::infinity(),
                                   std::numeric_limits<float>::quiet_NaN(),
                                   5.999F};
-  Scan scan = make_scan(raw, {-0.5F, 0.125F, 0.1F, 6.0F});
+  Scan scan = make_scan(raw, {-0.5F, 0.0009765625F, 0.1F, 6.0F});
   scan.stamp = stamp;
   scan.time_increment = 0.0009765625;
   scan.intensities = {1, 2, 3, 4, 5, 6};

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "core/random.hpp"
 #include "config/config.hpp"
@@ -9,6 +10,8 @@
 #include "phasescan/io/log.hpp"
 #include "io/pairs.hpp"
 #include "io/scan_log.hpp"
+#include "support/command.hpp"
+#include "support/paths.hpp"
 #include "support/temp.hpp"
 
 namespace phasescan {
@@ -107,6 +110,7 @@ void expect_sound(const Scan& scan) {
     ASSERT_TRUE(std::isfinite(scan.angle(i)));
   }
   ASSERT_TRUE(scan.intensities.empty() || scan.intensities.size() == scan.size());
+  for (const float intensity : scan.intensities) ASSERT_TRUE(std::isfinite(intensity));
 }
 
 void read_log(const std::string& path) {
@@ -117,6 +121,7 @@ void read_log(const std::string& path) {
       ASSERT_TRUE(entry->T_base_laser.is_finite());
       ASSERT_TRUE(!entry->odometry || entry->odometry->is_finite());
     }
+    for (const LogRemark& remark : reader->remarks()) ASSERT_FALSE(remark.kind.empty() || remark.text.empty());
   } catch (const InputError&) {
   }
 }
@@ -125,6 +130,17 @@ TEST(MutatedFiles, LogsEndInEntriesDamagesOrAnInputError) {
   const test::TempFolder folder;
   for (const std::string& text : {scan_log_text(), carmen_text()}) {
     for (std::uint64_t seed = 0; seed < 400; ++seed) read_log(folder.put("l", mutated(text, seed)));
+  }
+}
+
+TEST(MutatedFiles, SeedsOfTheFuzzTargetsToo) {
+  const test::TempFolder folder;
+  for (const char* corpus : {"printed", "csv", "lowcost", "mcap", "sqlite"}) {
+    for (const auto& seed_file : std::filesystem::directory_iterator(test::source_dir() + "/fuzz/corpus/" + corpus)) {
+      const std::string bytes = test::slurp(seed_file.path().string());
+      const std::uint64_t seeds = bytes.size() > 4000 ? 10 : 60;
+      for (std::uint64_t seed = 0; seed < seeds; ++seed) read_log(folder.put("l", mutated(bytes, seed)));
+    }
   }
 }
 

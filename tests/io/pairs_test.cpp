@@ -8,7 +8,7 @@
 
 #include "core/random.hpp"
 #include "phasescan/io/error.hpp"
-#include "io/scan_json.hpp"
+#include "phasescan/io/scan_json.hpp"
 #include "support/temp.hpp"
 
 namespace phasescan {

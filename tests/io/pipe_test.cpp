@@ -7,7 +7,7 @@
 #include <fstream>
 #include <thread>
 
-#include "io/scan_json.hpp"
+#include "phasescan/io/scan_json.hpp"
 #include "io/scan_log.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/log_writer.hpp"

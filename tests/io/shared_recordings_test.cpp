@@ -116,5 +116,20 @@ TEST(SharedRecordings, TheOldFormatIsRefusedByName) {
   }
 }
 
+// What is said of a log that contradicts itself is no false alarm on recordings that do not.
+TEST(SharedRecordings, ContradictThemselvesNowhere) {
+  if (test::recorded_data("bags").empty()) GTEST_SKIP() << "no recorded data ($PHASESCAN_DATA)";
+  for (const char* name :
+       {"bags/breezy-exp1.bag", "bags/breezy-exp1.mcap", "bags/hokuyo-demo.bag", "bags/hokuyo-demo.mcap",
+        "carmen/intel-corrected.log.gz", "lowcost/breezy-exp1.dat.gz", "lowcost/rplidar-a1-14m.log.gz",
+        "lowcost/rplidar-a1-16m.log.gz", "lowcost/ydlidar-x4-a.dat.gz", "lowcost/ydlidar-x4-c.dat.gz"}) {
+    const auto log = open_log(test::recorded_data(name));
+    std::size_t scans = 0;
+    while (log->next()) ++scans;
+    EXPECT_GT(scans, 0U) << name;
+    for (const LogRemark& remark : log->remarks()) ADD_FAILURE() << name << ": " << remark.text;
+  }
+}
+
 }  // namespace
 }  // namespace phasescan

@@ -1,4 +1,4 @@
-// Evidence against a plain version of the same definition, and what it must say in plain cases.
+// PoseEvidence against a plain version of the same definition, and what it must say in plain cases.
 #include "match/evidence.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,8 @@ namespace {
 using test::prepared;
 
 // What `other` says of every hit of `mine`, one hit at a time.
-void plain_one_way(const PreparedScan& other, const PreparedScan& mine, const Pose2& T, float slack, Evidence& sum) {
+void plain_one_way(const PreparedScan& other, const PreparedScan& mine, const Pose2& T, float slack,
+                   PoseEvidence& sum) {
   const SurfacePoints& ref = other.surface;
   for (std::size_t i = 0; i < mine.size(); ++i) {
     const SurfacePoint& from = mine.surface[i];
@@ -70,10 +71,10 @@ TEST(Evidence, IsWhatAPlainLoopSays) {
   Random random(9);
   for (int k = 0; k < 30; ++k) {
     const Pose2 pose{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-kPi, kPi)};
-    Evidence plain;
+    PoseEvidence plain;
     plain_one_way(reference, scan, pose, 0.03F, plain);
     plain_one_way(scan, reference, pose.inverse(), 0.03F, plain);
-    const Evidence fast = weigh_evidence(reference, scan, reference.all, scan.all, pose, 0.03);
+    const PoseEvidence fast = weigh_evidence(reference, scan, reference.all, scan.all, pose, 0.03);
     EXPECT_EQ(fast.hits, plain.hits);
     // A hit on the edge of two cells or bins may fall to either side.
     const double tolerance = 3.0;

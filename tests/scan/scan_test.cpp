@@ -78,5 +78,27 @@ TEST(Points, TheTwistIsTakenOut) {
   }
 }
 
+TEST(MakeScan, AnglesThatNoSensorHasAreTheCallersMistake) {
+  const std::vector<float> raw{1.0F, 2.0F, 3.0F}, far{0.0F, 0.1F, 2e4F};
+  EXPECT_THROW(make_scan(raw, {1e35, 0.1, 0.0, 0.0}), std::invalid_argument);
+  EXPECT_THROW(make_scan(raw, {0.0, 1e30, 0.0, 0.0}), std::invalid_argument);
+  EXPECT_THROW(make_scan(raw, {0.0, -6e3, 0.0, 0.0}), std::invalid_argument);
+  EXPECT_THROW(make_scan(raw, {}, far), std::invalid_argument);
+  EXPECT_NO_THROW(make_scan(raw, {0.0, 4e3, 0.0, 0.0}));
+}
+
+TEST(MakeScan, RangesBeyondAnySensorAreInvalidAndSuchLimitsUnknown) {
+  const std::vector<float> raw{2.0F, 3e30F, 1e6F, 1.1e6F, std::numeric_limits<float>::max()};
+  const Scan open = make_scan(raw, {0.0, 0.1, 0.0, 0.0});
+  EXPECT_EQ(open.states, (std::vector<BeamState>{BeamState::kHit, BeamState::kInvalid, BeamState::kHit,
+                                                 BeamState::kInvalid, BeamState::kInvalid}));
+  const Scan absurd = make_scan(raw, {0.0, 0.1, 0.0, 1e300});
+  EXPECT_EQ(absurd.geometry.range_max, 0.0);
+  EXPECT_EQ(absurd.states, open.states);
+  EXPECT_EQ(make_scan(raw, {0.0, 0.1, 2e6, 0.0}).geometry.range_min, 0.0);
+  // Some drivers mark what lies beyond their reach with the largest number there is.
+  EXPECT_EQ(make_scan(raw, {0.0, 0.1, 0.0, 8.0}).states[4], BeamState::kOutOfRange);
+}
+
 }  // namespace
 }  // namespace phasescan

@@ -300,6 +300,9 @@ TEST(Slam, CallersMistakesThrowAndNameTheField) {
   SlamOptions options;
   options.loops.votes = -1;
   EXPECT_THROW(Slam{options}, std::invalid_argument);
+  options = {};
+  options.match.match.min_confidence = 2.0;
+  EXPECT_THROW(Slam{options}, std::invalid_argument);
 }
 
 TEST(Slam, NothingAtAllIsAnEmptyMap) {

@@ -11,6 +11,7 @@ inline constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// The same direction in (-pi, pi]. Any finite input; NaN and infinities stay NaN.
 inline double wrap_angle(double angle) {
+  if (angle > -kPi && angle <= kPi) return angle;  // most are: no division
   const double wrapped = std::remainder(angle, kTwoPi);
   return wrapped <= -kPi ? kPi : wrapped;
 }

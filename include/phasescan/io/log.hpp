@@ -31,10 +31,38 @@ struct LogDamage {
   std::string text;  ///< "FILE:LINE: ..." as the user sees it
 };
 
+/// How the beams of a text log lie that states no angles, where the user knows.
+struct BeamGeometry {
+  std::optional<double> field_of_view = {};  ///< from the first beam to the last [rad]; 2 pi is a full turn
+  std::optional<double> angle_min = {};  ///< direction of the first beam [rad]; else half the field, a full turn at 0
+  std::optional<double> angle_increment = {};  ///< size of a step [rad], above 0
+  bool clockwise = false;                      ///< steps go clockwise, and so do columns of angles
+};
+
+/// Directions in the laser's frame [rad], from `from` counter-clockwise to `to`.
+struct Sector {
+  double from = 0.0, to = 0.0;
+};
+
 /// What to read of a log.
 struct LogOptions {
-  std::string topic;    ///< ROS: only this scan topic; empty = all
-  std::string columns;  ///< CSV: the names of its columns, separated by commas, where the file has no header
+  std::string topic = {};       ///< ROS: only this scan topic; empty = all
+  std::string frame = {};       ///< ROS: only scans with this frame_id; empty = all that lie in the plane
+  std::string columns = {};     ///< text: the names of its columns, separated by commas, where the file has no header
+  std::string stamp_unit = {};  ///< text: s, ms, us or ns, where the file does not say
+  BeamGeometry beams = {};      ///< text: used where the file does not say
+
+  double range_min = 0.0;           ///< nearer hits are too near [m]
+  double range_max = 0.0;           ///< farther hits are out of range [m], 0 = no limit
+  std::vector<Sector> masks = {};   ///< beams in these directions are invalid
+  std::optional<double> from = {};  ///< scans from this many seconds after the first one on
+  std::optional<double> to = {};    ///< scans up to this many seconds after the first one
+};
+
+/// What was assumed or left out because the log contradicts itself or does not say, and what it means for a map.
+struct LogRemark {
+  std::string kind;  ///< short, countable: "angles in degrees", "several frames", ...
+  std::string text;  ///< one line, without the file's name
 };
 
 /// Reads a log from front to back in bounded memory. One entry per laser message, in the file's order.
@@ -47,10 +75,12 @@ class LogReader {
   virtual std::string format() const = 0;
   /// Facts for `info`, by name (params, topics, compression, ...).
   virtual std::map<std::string, std::string> facts() const { return {}; }
+  /// What was assumed or left out up to here. Complete once `next` has given nothing.
+  virtual std::vector<LogRemark> remarks() const { return {}; }
 
   /// Damage seen so far; at most the first 100 are kept, all are counted.
-  const std::vector<LogDamage>& damages() const { return damages_; }
-  std::size_t damage_count() const { return damage_count_; }
+  virtual const std::vector<LogDamage>& damages() const { return damages_; }
+  virtual std::size_t damage_count() const { return damage_count_; }
 
  protected:
   void add_damage(std::string kind, std::string text) {

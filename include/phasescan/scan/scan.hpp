@@ -59,11 +59,12 @@ struct Scan {
 
 /// Builds a scan from raw ranges as sensors and files give them, sorting out why beams are missing.
 ///
-/// @param raw          ranges [m]: 0, NaN, +-inf, below range_min, above range_max are missing
-/// @param geometry     nonsense limits (range_max <= range_min, NaN, negative) are read as unknown
+/// @param raw          ranges [m]: 0, NaN, +-inf, below range_min, above range_max are missing; above 1e6 too, which no
+///                     sensor measures (kInvalid where no range_max is stated)
+/// @param geometry     nonsense limits (range_max <= range_min, NaN, negative, above 1e6 m) are read as unknown
 /// @param angles       empty, or one direction per beam [rad]
 /// @throws std::invalid_argument "scan.angle_increment: ..." for an increment that is 0 or not finite with two or more
-///         beams and no angles, an angle_min that is not finite, or angles of another count.
+///         beams and no angles, an angle_min that is not finite, a beam beyond +-1e4 rad, or angles of another count.
 /// @cost   O(n)
 Scan make_scan(std::span<const float> raw, const ScanGeometry& geometry, std::span<const float> angles = {});
 

@@ -2,6 +2,7 @@
 
 #include "phasescan/core/options.hpp"
 #include "phasescan/map/options.hpp"
+#include "phasescan/match/options.hpp"
 #include "phasescan/odometry/options.hpp"
 
 namespace phasescan {
@@ -79,6 +80,9 @@ struct SlamOptions {
   LoopOptions loops;
   OccupancyOptions map;
   GlassOptions glass;
+  /// Of matches without a guess: each scan with the last one, and places seen before. Sections `match` and `global`,
+  /// which a configuration holds once for all commands; `visit_sections` leaves them out.
+  MatchOptions match;
 
   template <class Self, class Visitor>
   static void visit_sections(Self& self, Visitor&& v) {
@@ -91,6 +95,7 @@ struct SlamOptions {
   /// @throws std::invalid_argument naming section, field and bounds.
   void validate() const {
     visit_sections(*this, [](std::string_view name, const auto& section) { validate_options(name, section); });
+    match.validate();
   }
 };
 

@@ -26,7 +26,5 @@ std::string format_scan_json(const Scan& scan);
 
 /// Reads a file that holds one scan, over any number of lines. @throws InputError, SystemError
 Scan read_scan_file(const std::string& path);
-/// The same for a file's text. @throws InputError
-Scan parse_scan_file(std::string text, const std::string& path);
 
 }  // namespace phasescan
