@@ -99,7 +99,8 @@ void RosLogReader::add_scan(Channel& channel, Stamp log_time, Bytes data) {
   decode_scan(channel, data);
   Pending pending;
   pending.frame = plain_frame(scan_message_.header.frame_id);
-  if (channel.frames.size() < kMostScanFrames || channel.frames.contains(pending.frame)) ++channel.frames[pending.frame];
+  if (channel.frames.size() < kMostScanFrames || channel.frames.contains(pending.frame))
+    ++channel.frames[pending.frame];
   if (!frame_.empty() && pending.frame != frame_) return;
   pending.entry.scan = channel.reading.read(scan_message_);
   pending.entry.laser = channel.topic;

@@ -1,0 +1,78 @@
+// What stamps say of the time between scans, and when they say nothing.
+#include "odometry/scan_clock.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace phasescan {
+namespace {
+
+Scan scan_at(double seconds, double time_increment = 0.0) {
+  const std::vector<float> ranges(100, 1.0F);
+  Scan scan = make_scan(ranges, {0.0, 0.01, 0.0, 8.0});
+  scan.stamp = stamp_from_seconds(seconds);
+  scan.time_increment = time_increment;
+  return scan;
+}
+
+/// Scans every `period` seconds until `until`.
+ScanClock steady(double period, double until) {
+  ScanClock clock;
+  for (double t = 0.0; t < until - 1e-9; t += period) clock.add(scan_at(t));
+  return clock;
+}
+
+TEST(ScanClock, CountsThePeriodsThatPassed) {
+  const ScanClock clock = steady(0.1, 3.0);
+  EXPECT_NEAR(clock.period_s, 0.1, 1e-9);
+  for (const auto& [after, periods] : {std::pair{0.1, 1.0}, {0.2, 2.0}, {0.3, 3.0}, {0.8, 3.0}, {0.04, 1.0}}) {
+    ScanClock next = clock;
+    EXPECT_EQ(next.add(scan_at(2.9 + after)).periods, periods) << after;
+  }
+}
+
+TEST(ScanClock, StampsThatComeInBurstsSayNothing) {
+  ScanClock clock;
+  double t = 0.0;
+  for (int k = 0; k < 40; ++k) clock.add(scan_at(t += 0.02 + 0.03 * (k % 7)));
+  EXPECT_GT(clock.jitter_s, 0.05);
+  EXPECT_EQ(clock.add(scan_at(t + 0.3)).periods, 1.0);
+}
+
+TEST(ScanClock, AGapIsLongInSecondsAndInPeriods) {
+  const auto gap_after = [](double period, double pause) {
+    ScanClock clock = steady(period, 40.0 * period);
+    const bool gap = clock.add(scan_at(39.0 * period + pause)).gap;
+    EXPECT_EQ(clock.gaps, gap ? 1u : 0u);
+    return gap;
+  };
+  EXPECT_TRUE(gap_after(0.1, 3.0));
+  EXPECT_FALSE(gap_after(0.1, 1.8)) << "a robot does not go far in so short a time";
+  EXPECT_FALSE(gap_after(0.5, 6.0)) << "a slow sensor that lost a few scans";
+  EXPECT_TRUE(gap_after(0.5, 9.0));
+}
+
+TEST(ScanClock, StampsThatRepeatOrGoBackAreCountedAndNotLearned) {
+  ScanClock clock = steady(0.1, 3.0);
+  const ScanClock before = clock;
+  EXPECT_FALSE(clock.add(scan_at(2.9)).gap);
+  EXPECT_FALSE(clock.add(scan_at(1.0)).gap);
+  EXPECT_EQ(clock.repeated, 1u);
+  EXPECT_EQ(clock.backwards, 1u);
+  EXPECT_EQ(clock.period_s, before.period_s);
+}
+
+TEST(ScanClock, ATurnThatLastsLongerThanItsPeriodIsAWrongHeader) {
+  ScanClock clock = steady(0.1, 3.0);
+  EXPECT_NEAR(clock.add(scan_at(3.0, 0.001)).duration_s, 0.099, 1e-9);
+  EXPECT_NEAR(clock.add(scan_at(3.1, -0.001)).duration_s, 0.099, 1e-9) << "beams listed last to first";
+  EXPECT_EQ(clock.add(scan_at(3.2, 0.002)).duration_s, 0.0);
+  EXPECT_EQ(clock.add(scan_at(3.3)).duration_s, 0.0);
+  ScanClock first;
+  EXPECT_NEAR(first.add(scan_at(0.0, 0.002)).duration_s, 0.198, 1e-9) << "no period is known yet";
+  EXPECT_EQ(ScanClock{}.add(scan_at(0.0, 0.1)).duration_s, 0.0) << "no lidar turns so slowly";
+}
+
+}  // namespace
+}  // namespace phasescan
