@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <deque>
 #include <fstream>
 
 #include "command_list.hpp"
@@ -30,8 +29,7 @@ struct MemoryFlags {
 constexpr double kFarOffM = 0.2;
 constexpr std::size_t kTraceScans = 1000;
 
-/// How far the poses are off as the map had them when each was first known, a batch of keyframes after its scan: what a
-/// robot would have gone by.
+/// How far the poses are off as the map had them when each scan came: what a robot would have gone by.
 class Errors {
  public:
   explicit Errors(const std::string& trace) {
@@ -42,20 +40,14 @@ class Errors {
   }
 
   /// After each scan. @param T_start_now  the true pose, seen from the first scan's
-  void add(const Slam& slam, const Pose2& T_start_now) {
-    waiting_.push_back(T_start_now);
-    while (!waiting_.empty()) {
-      const std::optional<Pose2> pose = slam.pose_on_map(done_);
-      if (!pose) break;
-      last_m_ = translation_distance(*pose, waiting_.front());
-      largest_m_ = std::max(largest_m_, last_m_);
-      traced_m_ = std::max(traced_m_, last_m_);
-      if (last_m_ > kFarOffM) ++far_off_;
-      waiting_.pop_front();
-      ++done_;
-    }
-    if (trace_.is_open() && slam.records().size() % kTraceScans == 0) {
-      trace_ << fmt::format("{},{},{:.3f}\n", slam.records().size(), slam.backend().keyframes().size(), traced_m_);
+  void add(const Slam& slam, const ScanUpdate& update, const Pose2& T_start_now) {
+    last_m_ = translation_distance(update.T_map_base(), T_start_now);
+    largest_m_ = std::max(largest_m_, last_m_);
+    traced_m_ = std::max(traced_m_, last_m_);
+    if (last_m_ > kFarOffM) ++far_off_;
+    ++done_;
+    if (trace_.is_open() && done_ % kTraceScans == 0) {
+      trace_ << fmt::format("{},{},{:.3f}\n", done_, slam.map()->keyframes().size(), traced_m_);
       trace_.flush();
       traced_m_ = 0.0;
     }
@@ -68,7 +60,6 @@ class Errors {
 
  private:
   std::ofstream trace_;
-  std::deque<Pose2> waiting_;  // truth of scans whose pose is not known yet
   std::size_t done_ = 0, far_off_ = 0;
   double last_m_ = 0.0, largest_m_ = 0.0, traced_m_ = 0.0;
 };
@@ -105,25 +96,25 @@ int run_memory(const MemoryFlags& flags) {
   std::size_t settled_nodes = 0;
   Pose2 T_world_start;
   Errors errors(flags.trace);
-  while (!InterruptGuard::interrupted() && slam.records().size() < flags.scans) {
+  while (!InterruptGuard::interrupted() && slam.scans() < flags.scans) {
     const auto scan = drive.next();
     if (!scan) break;
-    if (slam.records().empty()) T_world_start = scan->T_world_laser;
-    slam.add({scan->entry.scan});
-    errors.add(slam, T_world_start.inverse() * scan->T_world_laser);
-    if (slam.records().size() == flags.settled) {
+    if (slam.scans() == 0) T_world_start = scan->T_world_laser;
+    const ScanUpdate update = slam.add({scan->entry.scan});
+    errors.add(slam, update, T_world_start.inverse() * scan->T_world_laser);
+    if (slam.scans() == flags.settled) {
       settled_bytes = resident_bytes();
-      settled_nodes = slam.backend().keyframes().size();
+      settled_nodes = slam.map()->keyframes().size();
     }
-    progress.step(slam.records().size());
+    progress.step(slam.scans());
   }
   const double grown = resident_bytes() - settled_bytes;
-  const std::size_t n = slam.records().size();
+  const std::size_t n = slam.scans();
   print(fmt::format(
       "{{\"scans\": {}, \"settled\": {}, \"nodes_settled\": {}, \"nodes\": {}, \"rss_settled_mib\": {:.1f}, "
       "\"grown_bytes\": {:.0f}, \"allowed_bytes\": {}, \"bytes_per_scan\": {:.1f}, \"end_off_m\": {:.3f}, "
       "\"largest_off_m\": {:.3f}, \"share_off_0.2m\": {:.6f}, \"cpu_ms_per_scan\": {:.3f}}}\n",
-      n, flags.settled, settled_nodes, slam.backend().keyframes().size(), settled_bytes / 1048576.0, grown,
+      n, flags.settled, settled_nodes, slam.map()->keyframes().size(), settled_bytes / 1048576.0, grown,
       64 * n + 5'000'000, grown / static_cast<double>(std::max<std::size_t>(1, n - flags.settled)), errors.last_m(),
       errors.largest_m(), errors.share_far_off(), 1e3 * (process_cpu_seconds() - cpu) / static_cast<double>(n)));
   return n == flags.scans && grown <= static_cast<double>(64 * n + 5'000'000) ? kDone : kAnswerIsNo;

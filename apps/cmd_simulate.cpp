@@ -74,8 +74,8 @@ sim::PairsSpec pairs_spec(const SimulateFlags& flags) {
 
 int simulate_pairs(const SimulateFlags& flags) {
   refuse(flags,
-         {"--path", "--speed", "--turn-rate", "--jitter", "--jitter-deg", "--duration", "--odometry", "--people",
-          "--no-motion"},
+         {"--path", "--speed", "--turn-rate", "--jitter", "--jitter-deg", "--stop-every", "--stop-for", "--duration",
+          "--odometry", "--people", "--no-motion"},
          "is of a drive, not of pairs; expected no --pairs with it");
   const sim::PairsSpec spec = pairs_spec(flags);
   const sim::PairGenerator generator(spec, flags.given("--seed") ? flags.common.seed : spec.seed);
@@ -168,6 +168,12 @@ void add_simulate_command(CLI::App& app, CommandBody& body) {
       ->check(number_from_zero())
       ->capture_default_str();
   command->add_option("--jitter-deg", flags->drive.jitter_deg, "vibration of the heading, deg")
+      ->check(number_from_zero())
+      ->capture_default_str();
+  command->add_option("--stop-every", flags->drive.stop_every_m, "m of a tour after which the robot stops; 0: never")
+      ->check(number_from_zero())
+      ->capture_default_str();
+  command->add_option("--stop-for", flags->drive.stop_s, "s that it stands then")
       ->check(number_from_zero())
       ->capture_default_str();
   command->add_option("--people", flags->what.people, "people walking about")->capture_default_str();

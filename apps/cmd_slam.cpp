@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <optional>
 
 #include "command_list.hpp"
@@ -10,7 +11,7 @@
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
-#include "phasescan/io/measurement.hpp"
+#include "phasescan/io/log.hpp"
 #include "io/odometry_source.hpp"
 #include "slam_mcap.hpp"
 #include "slam_output.hpp"
@@ -47,40 +48,96 @@ class ScanProgress {
   double start_ = wall_seconds();
 };
 
+/// Keeps where each kind of oddity was first seen.
+class FirstSeen final : public SlamObserver {
+ public:
+  FirstSeen(const std::string& log, std::map<std::string, std::string>& out) : log_(log), out_(out) {}
+  void set_line(long line) { line_ = line; }
+  void on_warning(ScanId, const std::string& kind, const std::string& what, bool) override {
+    out_.emplace(kind, log_ + ":" + std::to_string(line_) + ": " + what);
+  }
+
+ private:
+  const std::string& log_;
+  std::map<std::string, std::string>& out_;
+  long line_ = 0;
+};
+
+void count(const ScanUpdate& update, bool usable, SlamRun& run) {
+  const TrackingDiagnostics& d = update.diagnostics;
+  if (update.repeated) {
+    run.overlap.push_back(run.overlap.empty() ? 0.0F : run.overlap.back());
+    return;
+  }
+  run.overlap.push_back(static_cast<float>(d.overlap));
+  run.tracked += is_tracked(update.status);
+  run.searched += d.wide_search;
+  run.caught += d.full_search;
+  run.new_segments += d.new_segment;
+  run.usable += usable;
+}
+
 /// Reads to the end of the log or until the user stops it.
-void feed(JudgedLog& log, Slam& slam, InputCheck& check, const SlamFlags& flags, SlamRun& run) {
+void feed(JudgedLog& log, Slam& slam, SlamRecording* recording, const SlamFlags& flags, SlamRun& run) {
   ScanProgress progress;
+  FirstSeen first_seen(flags.log, run.first_seen);
+  slam.set_observer(&first_seen);
   while (!InterruptGuard::interrupted()) {
     std::optional<LogEntry> entry = log.next();
-    if (!entry) return;
-    if (slam.records().empty()) run.T_base_laser = entry->T_base_laser, run.flipped = entry->flipped;
+    if (!entry) return slam.set_observer(nullptr);
+    if (slam.scans() == 0) run.T_base_laser = entry->T_base_laser, run.flipped = entry->flipped;
     if (flags.beam_step > 1) entry->scan = reduce_scan(entry->scan, 0.0, flags.beam_step);
-    const bool fresh =
-        check.add(entry->scan, entry->laser, entry->odometry, flags.log + ":" + std::to_string(entry->line));
+    if (recording != nullptr) recording->add(*entry);
+    first_seen.set_line(entry->line);
     RangeMeasurement measurement = to_measurement(std::move(*entry));
     if (!run.odometry_used) measurement.T_odom_base.reset();
     const double cpu = thread_cpu_seconds(), wall = wall_seconds();
-    float overlap = 0.0F;
-    if (fresh) {
-      const TrackerStep step = slam.add(measurement);
-      overlap = static_cast<float>(step.diagnostics.overlap);
-      run.tracked += step.tracked();
-      run.searched += step.diagnostics.wide_search;
-      run.caught += step.diagnostics.full_search;
-      run.new_segments += step.diagnostics.new_segment;
-      run.usable += measurement.scan.hit_count() > 0;
-    } else {
-      slam.repeat(measurement);
-      overlap = run.overlap.empty() ? 0.0F : run.overlap.back();
-    }
+    const ScanUpdate update = slam.add(measurement);
     const double spent = thread_cpu_seconds() - cpu;
+    count(update, measurement.scan.hit_count() > 0, run);
     run.cpu_ms.push_back(static_cast<float>(1e3 * spent));
     run.tracking_ms.push_back(static_cast<float>(1e3 * (spent - slam.last_backend_cpu_s())));
     run.wall_ms.push_back(static_cast<float>(1e3 * (wall_seconds() - wall)));
-    run.overlap.push_back(overlap);
-    progress.step(slam.records().size());
+    progress.step(slam.scans());
   }
+  slam.set_observer(nullptr);
   run.complete = false;
+}
+
+/// What was assumed of the log's odometry, once it is read.
+void note_odometry(const OdometrySource& source, const SlamFlags& flags, SlamRun& run) {
+  run.odometry_assumed = flags.odometry == "none"              ? "not used, as asked for"
+                         : source.usable && !run.odometry_used ? "not used: odometry.use_wheels is false"
+                                                               : source.assumed;
+  run.odometry_used = run.odometry_used && source.usable;
+}
+
+/// The run's time and the reader's damage, once all is done.
+void note_end(const LogReader& reader, double cpu, double wall, SlamRun& run) {
+  run.total_cpu_s = process_cpu_seconds() - cpu;
+  run.total_wall_s = wall_seconds() - wall;
+  for (const LogDamage& damage : reader.damages()) ++run.damages[damage.kind];
+  if (reader.damage_count() > reader.damages().size())
+    run.damages["further damage"] = reader.damage_count() - reader.damages().size();
+}
+
+/// Warnings of a finished run, and its exit code.
+int report_run(const LogReader& reader, const SlamResult& result, const SlamFlags& flags, const SlamRun& run) {
+  bool damaged = false;
+  for (const auto& [kind, oddity] : result.oddities) {
+    damaged |= oddity.damage;
+    const std::string times = " (" + std::to_string(oddity.count) + " times: " + kind + ")";
+    warn(run.first_seen.at(kind) + (oddity.count > 1 ? times : ""));
+  }
+  if (const std::size_t left_out = result.scans_left_out(); left_out > 0) {
+    warn(flags.log + ": the map is in " + std::to_string(result.pieces) + " pieces that nothing ties; " +
+         std::to_string(left_out) + " scans are not on it");
+  }
+  report_remarks(reader, flags.log);
+  const int code = report_damages(reader, damaged ? kDamagedInput : kDone);
+  if (!result.keyframes.empty()) return code;
+  std::fprintf(stderr, "phasescan: %s: not one scan with enough returns to match\n", flags.log.c_str());
+  return kAnswerIsNo;
 }
 
 int run_slam(const SlamFlags& flags) {
@@ -93,55 +150,30 @@ int run_slam(const SlamFlags& flags) {
   const std::unique_ptr<LogReader> reader = open_log(flags.log, flags.options);
   run.format = reader->format();
   run.odometry_used = flags.odometry != "none" && config.slam.odometry.use_wheels;
-  if (!flags.mcap.empty() && !can_be_read_again(flags.log)) {
-    throw InputError(flags.log, 0, "is a pipe; expected a file with --mcap, which reads the log a second time");
-  }
   make_folder(flags.out);
-  std::optional<McapWriter> mcap;  // opened before the work, so that a name that cannot be written costs no minutes
-  if (!flags.mcap.empty()) mcap.emplace(flags.mcap);
-  Slam slam(config.slam, flags.common.threads);
-  InputCheck check;
-  run.check = &check;
+  std::optional<SlamRecording> recording;  // opened before the work: a name that cannot be written costs no minutes
+  if (!flags.mcap.empty()) recording.emplace(flags.mcap);
+  std::optional<ThreadExecutor> executor;
+  if (flags.common.threads > 1) executor.emplace();
+  Slam slam(config.slam, Schedule::kDeterministic, executor ? &*executor : nullptr);
   const InterruptGuard guard;  // until the results are in place: what was finished is not lost
   JudgedLog log(*reader);
-  feed(log, slam, check, flags, run);
-  const OdometrySource source = log.source();
-  run.odometry_assumed = flags.odometry == "none"              ? "not used, as asked for"
-                         : source.usable && !run.odometry_used ? "not used: odometry.use_wheels is false"
-                                                               : source.assumed;
-  run.odometry_used = run.odometry_used && source.usable;
-  if (slam.records().empty()) {
+  feed(log, slam, recording ? &*recording : nullptr, flags, run);
+  note_odometry(log.source(), flags, run);
+  if (slam.scans() == 0) {
     if (InterruptGuard::interrupted()) return stopped_with_nothing();
     if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
     return fail_no_scan(*reader, flags.log);
   }
-  if (!run.complete)
-    warn("stopped after " + std::to_string(slam.records().size()) + " scans; the results are of these");
-  slam.finish();
+  if (!run.complete) warn("stopped after " + std::to_string(slam.scans()) + " scans; the results are of these");
+  const SlamResult result = slam.finish();
   if (run.complete && InterruptGuard::interrupted())
     warn("asked to stop after the last scan; the results are of the whole log");
-  run.total_cpu_s = process_cpu_seconds() - cpu;
-  run.total_wall_s = wall_seconds() - wall;
-  for (const LogDamage& damage : reader->damages()) ++run.damages[damage.kind];
-  if (reader->damage_count() > reader->damages().size())
-    run.damages["further damage"] = reader->damage_count() - reader->damages().size();
-  FileSet files = slam_output(flags.out, slam, run);
-  if (mcap) write_slam_mcap(*mcap, flags.log, flags.options, slam, run.glass_blocks);
+  note_end(*reader, cpu, wall, run);
+  FileSet files = slam_output(flags.out, result, run);
+  if (recording) recording->finish(result);
   files.commit();
-  for (const auto& [kind, oddity] : check.oddities()) {
-    warn(oddity.first + (oddity.count > 1 ? " (" + std::to_string(oddity.count) + " times: " + kind + ")" : ""));
-  }
-  if (const std::size_t left_out = slam.scans_left_out(); left_out > 0) {
-    warn(flags.log + ": the map is in " + std::to_string(slam.backend().pieces().count) +
-         " pieces that nothing ties; " + std::to_string(left_out) + " scans are not on it");
-  }
-  report_remarks(*reader, flags.log);
-  const int code = report_damages(*reader, check.damaged() ? kDamagedInput : kDone);
-  if (slam.backend().keyframes().empty()) {
-    std::fprintf(stderr, "phasescan: %s: not one scan with enough returns to match\n", flags.log.c_str());
-    return kAnswerIsNo;
-  }
-  return code;
+  return report_run(*reader, result, flags, run);
 }
 
 }  // namespace

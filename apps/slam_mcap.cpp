@@ -1,12 +1,10 @@
 #include "slam_mcap.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "io/even_scan.hpp"
-#include "io/laser_names.hpp"
-#include "phasescan/map/trinary_map.hpp"
-#include "slam_output.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -22,29 +20,25 @@ void write_map(McapWriter& file, Stamp stamp, const TrinaryMap& map) {
 
 }  // namespace
 
-void write_slam_mcap(McapWriter& file, const std::string& log, const LogOptions& options, const Slam& slam,
-                     bool glass_blocks) {
-  const std::vector<Pose2> trajectory = slam.trajectory();
-  const std::vector<Pose2> odometry = slam.odometry_trajectory();
-  const Stamp start = slam.records().front().stamp;
+void SlamRecording::add(const LogEntry& entry) {
+  if (!start_) start_ = entry.scan.stamp;
+  const auto [laser, is_new] = names_.of(entry.laser);
+  if (is_new) file_.static_transform(*start_, "base_link", laser.frame, entry.T_base_laser, entry.flipped);
+  file_.scan(laser.topic, laser.frame, even_scan(entry.scan));
+}
+
+void SlamRecording::finish(const SlamResult& result) {
+  const Stamp start = start_.value_or(0);
   std::vector<std::pair<Stamp, Pose2>> poses;
-  poses.reserve(trajectory.size());
-  for (std::size_t i = 0; i < trajectory.size(); ++i) poses.emplace_back(slam.records()[i].stamp, trajectory[i]);
-  file.path("/path", start, "map", poses);
-  write_map(file, start, finished_map(slam, glass_blocks).map);
-  LaserNames names;
-  const auto reader = open_log(log, options);
-  for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    const std::optional<LogEntry> entry = reader->next();
-    if (!entry) break;
-    const auto [laser, is_new] = names.of(entry->laser);
-    if (is_new) file.static_transform(start, "base_link", laser.frame, entry->T_base_laser, entry->flipped);
-    const Pose2& T_odom_base = odometry[i];
-    file.transform(poses[i].first, "map", "odom", trajectory[i] * T_odom_base.inverse());
-    file.transform(poses[i].first, "odom", "base_link", T_odom_base);
-    file.scan(laser.topic, laser.frame, even_scan(entry->scan));
+  poses.reserve(result.scans.size());
+  for (const ScanResult& scan : result.scans) poses.emplace_back(scan.stamp, scan.T_map_base);
+  file_.path("/path", start, "map", poses);
+  write_map(file_, start, result.map);
+  for (const ScanResult& scan : result.scans) {
+    file_.transform(scan.stamp, "map", "odom", scan.T_map_base * scan.T_odom_base.inverse());
+    file_.transform(scan.stamp, "odom", "base_link", scan.T_odom_base);
   }
-  file.close();
+  file_.close();
 }
 
 }  // namespace phasescan::app

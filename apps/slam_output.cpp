@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/file.hpp"
+#include "map/glass.hpp"
 #include "output/g2o.hpp"
 #include "output/map_file.hpp"
 #include "io/tum.hpp"
@@ -42,38 +43,39 @@ double path_length(const std::vector<Pose2>& poses) {
   return length;
 }
 
-Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& trajectory, const TrinaryMap& map) {
-  const LoopCounts loops = slam.backend().loop_counts();
-  const auto& wheels = slam.tracker().state().motion.wheels.counts;
+Json summary_of(const SlamResult& result, const SlamRun& run) {
+  const LoopCounts& loops = result.loops;
+  const WheelCounts& wheels = result.wheels;
+  const TrinaryMap& map = result.map;
   Json warnings = Json::object();
   for (const auto& [kind, count] : run.damages) warnings[kind] = count;
-  for (const auto& [kind, oddity] : run.check->oddities()) warnings[kind] = oddity.count;
+  for (const auto& [kind, oddity] : result.oddities) warnings[kind] = oddity.count;
   const std::size_t untracked = run.usable - std::min(run.usable, run.tracked);
   if (untracked > 0) warnings["scan not matched"] = untracked;
   if (run.new_segments > 0) warnings["tracking begun anew"] = run.new_segments;
-  const std::size_t left_out = slam.scans_left_out();
+  const std::size_t left_out = result.scans_left_out();
   if (left_out > 0) warnings["scan not on the map"] = left_out;
   std::size_t occupied = 0, free = 0;
   for (const CellState s : map.cells) occupied += s == CellState::kOccupied, free += s == CellState::kFree;
   return {{"log", std::filesystem::path(run.log).filename().string()},
           {"format", run.format},
           {"complete", run.complete},
-          {"scans", slam.records().size()},
+          {"scans", result.scans.size()},
           {"scans_usable", run.usable},
           {"scans_tracked", run.tracked},
           {"wide_searches", run.searched},
           {"full_searches_used", run.caught},
-          {"keyframes", slam.backend().keyframes().size()},
+          {"keyframes", result.keyframes.size()},
           {"loops",
            {{"compared", loops.compared},
             {"places", loops.places},
             {"found", loops.found},
             {"accepted", loops.accepted},
             {"in_graph", loops.in_graph},
-            {"rejected", loops.undone + loops.outvoted},
+            {"rejected", loops.undone + loops.rejected_inconsistent},
             {"rejected_undone", loops.undone},
-            {"rejected_outvoted", loops.outvoted}}},
-          {"path_length_m", rounded(path_length(trajectory), 1e3)},
+            {"rejected_outvoted", loops.rejected_inconsistent}}},
+          {"path_length_m", rounded(path_length(result.trajectory()), 1e3)},
           {"odometry",
            {{"used", run.odometry_used},
             {"assumed", run.odometry_assumed},
@@ -93,7 +95,7 @@ Json summary_of(const Slam& slam, const SlamRun& run, const std::vector<Pose2>& 
             {"resolution_m", map.resolution_m},
             {"occupied_cells", occupied},
             {"free_cells", free},
-            {"pieces", slam.backend().pieces().count},
+            {"pieces", result.pieces},
             {"scans_left_out", left_out}}},
           {"warnings", warnings}};
 }
@@ -166,59 +168,39 @@ std::vector<MapPaint> paints_of(const TrinaryMap& map, const std::vector<GlassPa
 std::vector<std::string> warning_lines(const Json& summary, const SlamRun& run) {
   std::vector<std::string> lines;
   for (const auto& [kind, count] : summary["warnings"].items()) {
-    const auto oddity = run.check->oddities().find(kind);
+    const auto first = run.first_seen.find(kind);
     std::string line = fmt::format("{}: {}", kind, count.get<std::size_t>());
-    if (oddity != run.check->oddities().end()) line += ", first at " + oddity->second.first;
+    if (first != run.first_seen.end()) line += ", first at " + first->second;
     lines.push_back(std::move(line));
   }
   return lines;
 }
 
-}  // namespace
-
-FinishedMap finished_map(const Slam& slam, bool glass_blocks) {
-  const OccupancyGrid grid = slam.render_map();
-  FinishedMap out{make_trinary(grid), slam.find_glass_panes(grid)};
-  for (const GlassPane& pane : out.panes) {
-    if (!pane.sure || !glass_blocks) continue;
-    for (const std::size_t cell : cells_of(out.map, pane)) out.map.cells[cell] = CellState::kOccupied;
+/// A line per scan: when, how it was tracked, where it stands.
+std::string scan_lines(const SlamResult& result) {
+  std::string text;
+  const auto pose = [](const Pose2& p) { return Json{{"x", p.x}, {"y", p.y}, {"theta", p.theta}}; };
+  for (const ScanResult& scan : result.scans) {
+    Json line{{"stamp", stamp_to_seconds(scan.stamp)},
+              {"status", to_string(scan.status)},
+              {"left_out", scan.repeated ? Json("repeated") : Json(nullptr)},
+              {"odom_pose", pose(scan.T_odom_base)},
+              {"pose", pose(scan.T_map_base)}};
+    if (scan.covariance) {
+      Json& numbers = line["covariance"] = Json::array();
+      for (int i = 0; i < 9; ++i) numbers.push_back((*scan.covariance)(i / 3, i % 3));
+    } else {
+      line["covariance"] = nullptr;
+    }
+    text += line.dump() + "\n";
   }
-  return out;
+  return text;
 }
 
-FileSet slam_output(const std::string& folder, const Slam& slam, const SlamRun& run) {
-  make_folder(folder);
-  FileSet files(folder);
-  const std::vector<Pose2> trajectory = slam.trajectory();
-  std::vector<StampedPose> stamped;
-  stamped.reserve(trajectory.size());
-  for (std::size_t i = 0; i < trajectory.size(); ++i) stamped.push_back({slam.records()[i].stamp, trajectory[i]});
-  files.add("trajectory.tum", format_tum(stamped));
-  stamped = {};
-  files.add("graph.g2o", format_g2o(slam.backend().graph()));
-  const auto [map, panes] = finished_map(slam, run.glass_blocks);
-  files.add("map.pgm", format_pgm(map));
-  files.add("map.yaml", format_map_yaml(map, "map.pgm"));
-  files.add("map.png", format_png(map, paints_of(map, panes)));
-  Json summary = summary_of(slam, run, trajectory, map);
-  summary["glass"] = glass_summary(panes, run.glass_blocks);
-
+std::string report_of(const SlamResult& result, const SlamRun& run, const Json& summary) {
   SlamReport report;
   report.log_name = summary["log"];
-  report.map = &map;
-  report.trajectory = trajectory;
-  const std::vector<Pose2> odometry = slam.odometry_trajectory();
-  report.odometry = odometry;
-  const std::vector<char> on_map = slam.on_map();
-  report.on_map = on_map;
-  std::vector<char> node_on_map(slam.backend().keyframes().size(), 0);
-  for (const std::size_t node : slam.drawn_keyframes()) node_on_map[node] = 1;
-  report.node_on_map = node_on_map;
-  report.glass = panes;
-  report.graph = &slam.backend().graph();
-  for (const PoseEdge& e : report.graph->edges()) {
-    if (e.robust && !e.enabled) report.undone.emplace_back(e.from, e.to);
-  }
+  report.result = &result;
   report.overlap = run.overlap;
   if (run.times) report.cpu_ms = run.cpu_ms;
   for (const char* key : {"format", "scans", "scans_tracked", "keyframes", "path_length_m"}) {
@@ -231,7 +213,27 @@ FileSet slam_output(const std::string& folder, const Slam& slam, const SlamRun& 
                                         summary["glass"]["total_m"].dump(), summary["glass"]["possible_count"].dump()));
   report.facts.emplace_back("odometry", run.odometry_assumed);
   report.warnings = warning_lines(summary, run);
-  files.add("report.html", format_slam_report(report));
+  return format_slam_report(report);
+}
+
+}  // namespace
+
+FileSet slam_output(const std::string& folder, const SlamResult& result, const SlamRun& run) {
+  make_folder(folder);
+  FileSet files(folder);
+  std::vector<StampedPose> stamped;
+  stamped.reserve(result.scans.size());
+  for (const ScanResult& scan : result.scans) stamped.push_back({scan.stamp, scan.T_map_base});
+  files.add("trajectory.tum", format_tum(stamped));
+  stamped = {};
+  files.add("scans.jsonl", scan_lines(result));
+  files.add("graph.g2o", format_g2o(result.keyframes, result.edges));
+  files.add("map.pgm", format_pgm(result.map));
+  files.add("map.yaml", format_map_yaml(result.map, "map.pgm"));
+  files.add("map.png", format_png(result.map, paints_of(result.map, result.glass)));
+  Json summary = summary_of(result, run);
+  summary["glass"] = glass_summary(result.glass, run.glass_blocks);
+  files.add("report.html", report_of(result, run, summary));
   if (run.times) {
     files.add("timing.json", text_of(timing_of(run)) + "\n");
   } else {

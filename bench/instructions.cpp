@@ -55,7 +55,7 @@ void count_tracking(const std::vector<Scan>& scans) {
   const std::size_t warm = scans.size() / 3;
   Odometry odometry;
   const auto track = [&](std::size_t from, std::size_t to) {
-    for (std::size_t k = from; k < to; ++k) odometry.add(scans[k], {}, std::nullopt);
+    for (std::size_t k = from; k < to; ++k) odometry.add(RangeMeasurement{scans[k]});
   };
   track(0, warm);
   count("tracking_step", scans.size() - warm, [&] { track(warm, scans.size()); });

@@ -18,6 +18,19 @@ function(phasescan_configure target)
   endif()
 endfunction()
 
+# phasescan_compile_together(<target>): eight files at once where PHASESCAN_COMPILE_TOGETHER is on. From nothing that takes
+# less than half the time; a changed file then costs its batch, about 10 s.
+function(phasescan_compile_together target)
+  if(NOT PHASESCAN_COMPILE_TOGETHER)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # gcc takes a type of a .cpp's own for one of a header there.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+  endif()
+endfunction()
+
 # phasescan_internal(<target>): sees the headers in src/ that are not installed; for what is built with the libraries.
 function(phasescan_internal target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)

@@ -35,8 +35,8 @@ int main() {
   const phasescan::Pose2 truth{0.25, -0.15, phasescan::deg_to_rad(120)};
   const phasescan::Scan before = look_around({}), now = look_around(truth);
   bool right = true;
-  for (const FftIcpMethod method : {FftIcpMethod::kIcp, FftIcpMethod::kNdt, FftIcpMethod::kFft, FftIcpMethod::kFftIcp1,
-                                    FftIcpMethod::kFftIcp2}) {
+  for (const FftIcpMethod method :
+       {FftIcpMethod::kIcp, FftIcpMethod::kNdt, FftIcpMethod::kFft, FftIcpMethod::kFftIcp1, FftIcpMethod::kFftIcp2}) {
     phasescan::FftIcpOptions options;
     options.fft_icp.method = method;
     phasescan::FftIcpMatcher matcher(options);

@@ -24,9 +24,10 @@ map          core scan
 slam         core scan match odometry graph map
 io           core scan
 sim          core scan io
+calibrate    core scan io sim
 config       core methods io match fft_icp slam
-output       core scan graph map match methods slam io
-report       core scan match graph map slam output io
+output       core scan map match methods slam io
+report       core scan match map slam output io
 eval         core scan match fft_icp methods odometry slam sim config output report io
 """
 # Around the core: tests of any folder may use these to make and read their inputs.

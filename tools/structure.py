@@ -166,10 +166,13 @@ def links(root):
     for path in [root / "src/CMakeLists.txt", *sorted((root / "cmake").glob("*.cmake"))]:
         text = re.sub(r"#[^\n]*", "", path.read_text())
         for target, words in re.findall(r"target_link_libraries\(\s*(phasescan\w*)\s+([^()]*)\)", text):
+            if "${" in words:
+                continue
             known = found.setdefault(target, ([], []))
             for word in words.split():
                 if word in ("PUBLIC", "PRIVATE", "INTERFACE"):
                     continue
+                word = re.sub(r"\$<BUILD_INTERFACE:(.*)>", r"\1", word)
                 known[1 if word.startswith("phasescan") else 0].append(word)
     return found
 

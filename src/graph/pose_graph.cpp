@@ -169,19 +169,4 @@ GraphSummary PoseGraph::optimize(const GraphOptions& options) {
   return summary;
 }
 
-std::optional<Eigen::Matrix3d> PoseGraph::covariance(int node) const {
-  if (node == 0) return Eigen::Matrix3d::Zero().eval();
-  GraphProblem graph(poses_, edges_, 1e9);
-  ceres::Covariance::Options options;
-  options.algorithm_type = ceres::SPARSE_QR;
-  options.num_threads = 1;
-  ceres::Covariance covariance(options);
-  const double* block = graph.blocks[static_cast<std::size_t>(node)].data();
-  const std::vector<std::pair<const double*, const double*>> wanted = {{block, block}};
-  if (!covariance.Compute(wanted, graph.problem.get())) return std::nullopt;
-  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> m;
-  if (!covariance.GetCovarianceBlock(block, block, m.data())) return std::nullopt;
-  return Eigen::Matrix3d(m);
-}
-
 }  // namespace phasescan

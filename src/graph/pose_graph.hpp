@@ -19,6 +19,16 @@ struct PoseEdge {
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
   bool robust = false;  ///< may be wrong: large errors lose their weight (Cauchy kernel)
   bool enabled = true;  ///< disabled edges stay in the list and do not count
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("from", self.from);
+    v("to", self.to);
+    v("T_from_to", self.T_from_to);
+    v("information", self.information);
+    v("robust", self.robust);
+    v("enabled", self.enabled);
+  }
 };
 
 struct GraphOptions {
@@ -34,9 +44,11 @@ struct GraphSummary {
   double final_cost = 0.0;
 };
 
-/// The graph. Node 0 is fixed; every further node should be tied to earlier ones by an enabled edge.
+/// The graph. Node 0 is fixed; every further node should be tied to earlier ones by an enabled edge. A plain value:
+/// what `visit` names is all there is.
 class PoseGraph {
  public:
+  static constexpr int kVersion = 1;
   int add_node(const Pose2& pose);
   /// @throws std::invalid_argument for a node that does not exist, an edge from a node to itself, a pose that is not
   /// finite, or an information matrix that is not finite or not positive definite.
@@ -57,9 +69,15 @@ class PoseGraph {
   /// @cost sparse Cholesky per iteration: about 3 us a node for graphs of this kind
   GraphSummary optimize(const GraphOptions& options = {});
 
-  /// Marginal covariance of a node's (x, y, theta) relative to node 0, at the present poses; empty if it is not
-  /// determined.
-  std::optional<Eigen::Matrix3d> covariance(int node) const;
+  /// Marginal covariance of one node while node `fixed` is held (see MarginalCovariance, which is asked for several).
+  /// @throws std::invalid_argument for a node that does not exist.
+  std::optional<Eigen::Matrix3d> covariance(int node, int fixed = 0) const;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("poses", self.poses_);
+    v("edges", self.edges_);
+  }
 
  private:
   std::vector<Pose2> poses_;

@@ -56,6 +56,25 @@ OccupancyGrid::OccupancyGrid(const OccupancyOptions& options) : options_(options
   clamp_ = static_cast<int>(std::lround(std::clamp(options_.clamp_log_odds, 0.1, 6.0) * kStepsPerUnit));
 }
 
+OccupancyGrid::OccupancyGrid(OccupancyGrid&& other) noexcept {
+  *this = std::move(other);
+}
+
+OccupancyGrid& OccupancyGrid::operator=(OccupancyGrid&& other) noexcept {
+  if (this == &other) return *this;
+  options_ = other.options_;
+  hit_ = other.hit_, miss_ = other.miss_, missing_ = other.missing_, clamp_ = other.clamp_;
+  clear();
+  tiles_.swap(other.tiles_);
+  other.clear();
+  return *this;
+}
+
+void OccupancyGrid::clear() {
+  tiles_.clear();
+  last_tile_ = nullptr;  // one of the tiles that are gone
+}
+
 int OccupancyGrid::cell_of(double metres) const {
   return static_cast<int>(std::floor(metres / options_.resolution_m));
 }

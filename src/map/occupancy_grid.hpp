@@ -22,6 +22,9 @@ class OccupancyGrid {
 
   /// @throws std::invalid_argument for a resolution that is not above 0.
   explicit OccupancyGrid(const OccupancyOptions& options = {});
+  /// The grid that is moved from is empty afterwards and can be drawn on again.
+  OccupancyGrid(OccupancyGrid&& other) noexcept;
+  OccupancyGrid& operator=(OccupancyGrid&& other) noexcept;
 
   /// Marks the rays of a scan: free from the laser to each hit, the hit's cell occupied once per scan.
   ///
@@ -48,7 +51,7 @@ class OccupancyGrid {
   std::optional<double> raycast(const Eigen::Vector2d& from, double direction, double max_range,
                                 double occupied = 0.6) const;
 
-  void clear() { tiles_.clear(); }
+  void clear();
 
  private:
   static constexpr std::int8_t kUnknown = -128;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/fast_math.hpp"
-
 namespace phasescan {
 namespace {
 
@@ -14,12 +12,12 @@ constexpr float kMostLength = 0.25F;  // [share of the extent] one oblique beam 
 
 }  // namespace
 
-void fill_normal_histogram(const SurfacePoints& surface, NormalHistogram& out) {
+void fill_normal_histogram(const SurfacePoints& surface, const float* normal_turns, NormalHistogram& out) {
   std::array<float, kBins + 2> raw{};
   const float most = kMostLength * static_cast<float>(surface.extent);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (!surface[i].has_normal()) continue;
-    const float at = direction_turns(surface[i].nx, surface[i].ny) * static_cast<float>(kBins);
+    const float at = normal_turns[i] * static_cast<float>(kBins);
     const auto bin = std::min(static_cast<int>(at), kBins - 1);
     const float share = at - static_cast<float>(bin);
     const float weight = std::min(surface[i].length, most);

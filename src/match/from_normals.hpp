@@ -18,8 +18,9 @@ struct NormalHistogram {
 /// Correlation of two histograms for every turn of the second by a whole bin.
 using NormalCorrelation = std::array<float, NormalHistogram::kBins>;
 
+/// @param normal_turns  direction of every normal [turns], see fill_directions
 /// @cost O(points)
-void fill_normal_histogram(const SurfacePoints& surface, NormalHistogram& out);
+void fill_normal_histogram(const SurfacePoints& surface, const float* normal_turns, NormalHistogram& out);
 
 /// out[k] = sum_b reference[b + k] * scan[b], scaled so that equal histograms give 1: how well the scan turned by
 /// k * 360 / kBins degrees faces as the reference does. @cost kBins^2

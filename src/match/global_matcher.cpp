@@ -60,12 +60,9 @@ void GlobalMatcher::prepare_into(const Scan& reference, const Twist2& twist, Ref
 
 MatchResult GlobalMatcher::match(const Scan& reference, const Scan& scan, const MatchHints& hints) {
   check_hints(hints);
-  MatchTimes ms;
-  StageClock clock;
-  const StageClock total = clock;
+  MatchTimer timer;
   prepare_into(reference, hints.reference_twist, own_);
-  clock.add_to(ms.image);
-  return match_prepared(own_, scan, hints, ms, total);
+  return match_prepared(own_, scan, hints, timer);
 }
 
 Reference GlobalMatcher::prepare(const Scan& reference, const Twist2& twist) {
@@ -80,47 +77,41 @@ MatchResult GlobalMatcher::match(const Reference& reference, const Scan& scan, c
   check_hints(hints);
   if (proposer_ != nullptr && reference.data().cue == nullptr)
     throw std::invalid_argument("reference: prepared by a matcher that finds rotations another way");
-  return match_prepared(reference.data(), scan, hints, {}, StageClock());
+  MatchTimer timer;
+  return match_prepared(reference.data(), scan, hints, timer);
 }
 
 MatchResult GlobalMatcher::match_prepared(const Reference::Data& reference, const Scan& scan, const MatchHints& hints,
-                                          const MatchTimes& ms, StageClock total) {
+                                          MatchTimer& timer) {
   MatchResult result;
-  MatchDiagnostics& diagnostics = result.diagnostics;
-  diagnostics.ms = ms;
   result.T_ref_scan = hints.guess.value_or(Pose2{});
-  diagnostics.rotation_source = hints.guess ? RotationSource::kGuess : RotationSource::kNone;
+  result.diagnostics.rotation_source = hints.guess ? RotationSource::kGuess : RotationSource::kNone;
   result.confidence = 0.0;
-  StageClock clock;
   prepare_scan(scan, hints.scan_twist, search_.prepare_options(false), work_, scan_);
-  clock.add_to(diagnostics.ms.image);
+  timer.end_of(&MatchTimes::image);
   const auto least = static_cast<std::size_t>(options_.match.min_points);
   if (reference.prepared.size() >= least && scan_.size() >= least) {
-    search(reference, scan, hints, diagnostics.ms);
+    search(reference, scan, hints, timer);
     if (outcome_.hypotheses.empty()) {
       result.status = MatchStatus::kNoPeak;
     } else {
       judge(outcome_, options_.match.min_confidence, result);
     }
   }
-  total.add_to(diagnostics.ms.total);
+  timer.clock.add_all_to(timer.ms.total);
+  result.diagnostics.ms = timer.ms;
   return result;
 }
 
 void GlobalMatcher::search(const Reference::Data& reference, const Scan& scan, const MatchHints& hints,
-                           MatchTimes& ms) {
-  StageClock clock;
+                           MatchTimer& timer) {
   if (proposer_ != nullptr) {
     proposer_->describe(scan, *scan_cue_);
     proposed_.clear();
     proposer_->propose(reference.prepared, *reference.cue, scan_, *scan_cue_, proposed_);
-    clock.add_to(ms.rotation);
+    timer.end_of(&MatchTimes::rotation);
   }
-  SearchTimes times;
-  search_.run(reference.prepared, scan_, hints.guess, proposer_ != nullptr ? &proposed_ : nullptr, outcome_, &times);
-  ms.rotation += times.rotation;
-  ms.translation += times.translation;
-  ms.refine += times.refine;
+  search_.run(reference.prepared, scan_, hints.guess, proposer_ != nullptr ? &proposed_ : nullptr, outcome_, &timer);
 }
 
 }  // namespace phasescan

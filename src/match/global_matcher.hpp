@@ -34,8 +34,8 @@ class GlobalMatcher {
  private:
   void prepare_into(const Scan& reference, const Twist2& twist, Reference::Data& out);
   MatchResult match_prepared(const Reference::Data& reference, const Scan& scan, const MatchHints& hints,
-                             const MatchTimes& ms, StageClock total);
-  void search(const Reference::Data& reference, const Scan& scan, const MatchHints& hints, MatchTimes& ms);
+                             MatchTimer& timer);
+  void search(const Reference::Data& reference, const Scan& scan, const MatchHints& hints, MatchTimer& timer);
 
   MatchOptions options_;
   std::unique_ptr<RotationProposer> proposer_;

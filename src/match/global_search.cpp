@@ -78,15 +78,23 @@ int GlobalSearch::correlate(const PreparedScan& reference, const PreparedScan& s
              frame_high = static_cast<float>(ScoreTable::kStride - kWindow / 2);
   const auto c = static_cast<float>(std::cos(centre.theta)), s = static_cast<float>(std::sin(centre.theta));
   const auto tx = static_cast<float>(centre.x), ty = static_cast<float>(centre.y);
-  offsets_.clear();
-  for (std::size_t i = 0; i < scan.sparse.count; ++i) {
+  const std::size_t count = scan.sparse.count;
+  at_u_.resize(count);
+  at_v_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
     const float px = scan.sparse.x[i], py = scan.sparse.y[i];
-    const float u = table.position(c * px - s * py + tx), v = table.position(s * px + c * py + ty);
-    if (!(u >= frame_low && v >= frame_low && u < frame_high && v < frame_high)) continue;
-    offsets_.push_back((static_cast<int>(v) - kWindow / 2) * ScoreTable::kStride + static_cast<int>(u) - kWindow / 2);
+    at_u_[i] = table.position(c * px - s * py + tx);
+    at_v_[i] = table.position(s * px + c * py + ty);
   }
-  correlate_points(table.data(), offsets_, window_);
-  return table.values().unknown * static_cast<int>(scan.sparse.count - offsets_.size());
+  offsets_.resize(count);
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float u = at_u_[i], v = at_v_[i];
+    if (!(u >= frame_low && v >= frame_low && u < frame_high && v < frame_high)) continue;
+    offsets_[inside++] = (static_cast<int>(v) - kWindow / 2) * ScoreTable::kStride + static_cast<int>(u) - kWindow / 2;
+  }
+  correlate_points(table.data(), std::span(offsets_).first(inside), window_);
+  return table.values().unknown * static_cast<int>(count - inside);
 }
 
 void GlobalSearch::sweep(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess) {
@@ -119,17 +127,16 @@ void GlobalSearch::thin(const PreparedScan& reference, std::size_t most) {
   }
 }
 
-void GlobalSearch::refine_quickly(const PreparedScan& reference, const PreparedScan& scan,
-                                  Hypothesis& hypothesis) const {
+void GlobalSearch::refine_quickly(const PreparedScan& reference, const PreparedScan& scan, Hypothesis& hypothesis) {
   PointToLineOptions quick;
   quick.gate_start_m = kQuickGateStart * reference.scale_m;
   quick.gate_end_m = kGateEnd * reference.scale_m;
   quick.max_iterations = options_.refinement ? 3 : 0;
   quick.stop_m = 1e-3 * reference.scale_m;
   quick.stop_rad = 1e-3;
-  hypothesis.T_ref_scan =
-      refine_point_to_line(reference.model(), scan.model(), hypothesis.T_ref_scan, quick, scan.sparse, nullptr)
-          .T_ref_scan;
+  hypothesis.T_ref_scan = refine_point_to_line(reference.model(), scan.model(), hypothesis.T_ref_scan, quick,
+                                               scan.sparse, nullptr, refinement_)
+                              .T_ref_scan;
   hypothesis.score = weigh_evidence(reference, scan, reference.sparse, scan.sparse, hypothesis.T_ref_scan,
                                     kQuickSlack * reference.scale_m)
                          .score(weights_);
@@ -173,7 +180,7 @@ void GlobalSearch::refine_finalists(const PreparedScan& reference, const Prepare
   kept_ = out.hypotheses;
   for (Hypothesis& h : kept_) {
     h.T_ref_scan = refine_point_to_line(reference.model(), scan.model(), h.T_ref_scan, middle, scan.middle,
-                                        options_.both_ways ? &reference.middle : nullptr)
+                                        options_.both_ways ? &reference.middle : nullptr, refinement_)
                        .T_ref_scan;
     h.score = weigh_evidence(reference, scan, reference.middle, scan.middle, h.T_ref_scan, kFineSlack * scale)
                   .score(weights_);
@@ -195,7 +202,7 @@ void GlobalSearch::settle(const PreparedScan& reference, const PreparedScan& sca
   };
   for (int attempt = 0; attempt < kSettleAttempts; ++attempt) {
     out.refined = refine_point_to_line(reference.model(), scan.model(), best.T_ref_scan, fine, of_scan,
-                                       options_.both_ways ? &of_ref : nullptr);
+                                       options_.both_ways ? &of_ref : nullptr, refinement_);
     best.T_ref_scan = out.refined.T_ref_scan;
     out.evidence = weigh(best.T_ref_scan);
     best.score = out.evidence.score(weights_);
@@ -237,14 +244,13 @@ void GlobalSearch::settle(const PreparedScan& reference, const PreparedScan& sca
 
 // Hypotheses from the listed rotations, refined and weighed, in kept_.
 void GlobalSearch::look(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
-                        int candidates, SearchTimes& times) {
-  StageClock clock;
+                        int candidates, MatchTimer& timer) {
   sweep(reference, scan, guess);
   thin(reference, static_cast<std::size_t>(candidates));
-  clock.add_to(times.translation);
+  timer.end_of(&MatchTimes::translation);
   refine_candidates(reference, scan);
   if (options_.twins && !guess) add_twins(reference, scan);
-  clock.add_to(times.refine);
+  timer.end_of(&MatchTimes::refine);
 }
 
 // Whether the best of kept_ explains the scans well and, without a guess, clearly better than the next distinct one.
@@ -259,18 +265,17 @@ bool GlobalSearch::convinces(const PreparedScan& reference, bool guessed) const 
 }
 
 void GlobalSearch::run(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
-                       const std::vector<RotationHypothesis>* proposed, SearchOutcome& out, SearchTimes* times) {
+                       const std::vector<RotationHypothesis>* proposed, SearchOutcome& out, MatchTimer* given_timer) {
   out.hypotheses.clear();
   out.margin = out.profile = 0.0;
   out.refined = {};
   out.evidence = {};
   if (reference.size() == 0 || scan.size() == 0) return;
-  SearchTimes unused;
-  SearchTimes& ms = times != nullptr ? *times : unused;
-  StageClock clock;
+  MatchTimer own_timer;
+  MatchTimer& timer = given_timer != nullptr ? *given_timer : own_timer;
   rotations_.list(reference, scan, guess, proposed, rotation_list_);
-  clock.add_to(ms.rotation);
-  look(reference, scan, guess, options_.candidates, ms);
+  timer.end_of(&MatchTimes::rotation);
+  look(reference, scan, guess, options_.candidates, timer);
   bool guessed = guess.has_value();
   const bool may_sweep = proposed == nullptr && options_.rotations == RotationSearch::kAutomatic;
   if (may_sweep && !convinces(reference, guessed)) {
@@ -279,17 +284,16 @@ void GlobalSearch::run(const PreparedScan& reference, const PreparedScan& scan, 
     if (guessed) of_guess_ = kept_;
     guessed = false;
     rotations_.list_all(rotation_list_);
-    look(reference, scan, std::nullopt, kMoreInDoubt * options_.candidates, ms);
+    look(reference, scan, std::nullopt, kMoreInDoubt * options_.candidates, timer);
     kept_.insert(kept_.end(), of_guess_.begin(), of_guess_.end());
   }
-  clock = {};
   refine_finalists(reference, scan, out);
   if (!guessed) prefer_less_turn(kTieMargin, out.hypotheses);
   settle(reference, scan, out);
   // Along a corridor each twin is best where the noise happens to suit it.
   if (!guessed && out.profile < kFlatProfile && prefer_less_turn(kSlidingTieMargin, out.hypotheses))
     settle(reference, scan, out);
-  clock.add_to(ms.refine);
+  timer.end_of(&MatchTimes::refine);
 }
 
 }  // namespace phasescan

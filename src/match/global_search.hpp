@@ -20,6 +20,7 @@
 #include "match/prepared_scan.hpp"
 #include "match/rotation_hypotheses.hpp"
 #include "match/sparse_correlation.hpp"
+#include "match/stage_clock.hpp"
 #include "phasescan/match/options.hpp"
 #include "phasescan/match/result.hpp"
 
@@ -46,11 +47,6 @@ struct SearchOutcome {
   double profile = 0.0;  ///< least drop of the score a little way along the weakest direction
 };
 
-/// CPU milliseconds by stage.
-struct SearchTimes {
-  double rotation = 0.0, translation = 0.0, refine = 0.0;
-};
-
 /// The options of `match.fast`: fewer poses and hits.
 GlobalOptions fast_options(const GlobalOptions& options);
 
@@ -63,14 +59,14 @@ class GlobalSearch {
   /// have no hits.
   /// @param proposed  rotations to try without a guess, in place of those of the options; null: as the options say
   void run(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess,
-           const std::vector<RotationHypothesis>* proposed, SearchOutcome& out, SearchTimes* times = nullptr);
+           const std::vector<RotationHypothesis>* proposed, SearchOutcome& out, MatchTimer* timer = nullptr);
 
   /// How both scans have to be prepared; the table is needed of the reference only.
   PrepareOptions prepare_options(bool reference) const;
 
  private:
   void look(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess, int candidates,
-            SearchTimes& times);
+            MatchTimer& timer);
   bool convinces(const PreparedScan& reference, bool guessed) const;
   void sweep(const PreparedScan& reference, const PreparedScan& scan, const std::optional<Pose2>& guess);
   void thin(const PreparedScan& reference, std::size_t most);
@@ -78,7 +74,7 @@ class GlobalSearch {
   void add_twins(const PreparedScan& reference, const PreparedScan& scan);
   void refine_finalists(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out);
   void settle(const PreparedScan& reference, const PreparedScan& scan, SearchOutcome& out);
-  void refine_quickly(const PreparedScan& reference, const PreparedScan& scan, Hypothesis& hypothesis) const;
+  void refine_quickly(const PreparedScan& reference, const PreparedScan& scan, Hypothesis& hypothesis);
   int correlate(const PreparedScan& reference, const PreparedScan& scan, const Pose2& centre);
 
   GlobalOptions options_;
@@ -86,7 +82,9 @@ class GlobalSearch {
   RotationHypotheses rotations_;
   std::vector<RotationHypothesis> rotation_list_;
   std::vector<std::int32_t> offsets_;
+  std::vector<float> at_u_, at_v_;
   CorrelationWindow window_;
+  PointToLineWorkspace refinement_;
   std::vector<Hypothesis> coarse_, kept_, of_guess_;
 };
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
+
+#include "scan/directions.hpp"
 
 namespace phasescan {
 namespace {
@@ -21,26 +24,42 @@ float fill_lengths(const SurfacePoints& surface, std::vector<float>& out) {
   return total;
 }
 
-// Picks about `count` hits so that equal lengths of surface lie between them: a near wall has many beams but no more to
-// say.
-void sample_evenly(const std::vector<float>& lengths, float total, int count, std::vector<int>& out) {
-  const std::size_t n = lengths.size();
-  out.resize(n);
-  if (n <= static_cast<std::size_t>(count)) {
-    std::iota(out.begin(), out.end(), 0);
-    return;
+// Picks hits so that equal lengths of surface lie between them: a near wall has many beams but no more to say.
+struct EvenPick {
+  EvenPick(std::size_t hits, float total, int count, std::vector<int>& to)
+      : step(total / static_cast<float>(count)), reached(0.5F * step), out(to) {
+    out.resize(hits);
   }
-  const float step = total / static_cast<float>(count);
-  float reached = 0.5F * step;
-  std::size_t picked = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    reached += lengths[i];
-    out[picked] = static_cast<int>(i);
+  void offer(std::size_t hit, float length) {
+    reached += length;
+    out[picked] = static_cast<int>(hit);
     const bool pick = reached >= step;
     picked += pick;
     reached = pick ? std::min(reached - step, step) : reached;
   }
-  out.resize(picked);
+
+  float step, reached;
+  std::size_t picked = 0;
+  std::vector<int>& out;
+};
+
+// About `sparse` and about `middle` of the hits; all where there are no more. Both in one pass, as each addition waits
+// for the one before.
+void sample_evenly(const std::vector<float>& lengths, float total, const PrepareOptions& options,
+                   PrepareWorkspace& work) {
+  const std::size_t n = lengths.size();
+  EvenPick sparse(n, total, options.sparse_points, work.sparse), middle(n, total, options.middle_points, work.middle);
+  for (std::size_t i = 0; i < n; ++i) {
+    sparse.offer(i, lengths[i]);
+    middle.offer(i, lengths[i]);
+  }
+  for (const auto& [pick, count] : {std::pair{&sparse, options.sparse_points}, {&middle, options.middle_points}}) {
+    if (n > static_cast<std::size_t>(count)) {
+      pick->out.resize(pick->picked);
+    } else {
+      std::iota(pick->out.begin(), pick->out.end(), 0);
+    }
+  }
 }
 
 void level_variances(SurfacePoints& surface) {
@@ -56,8 +75,11 @@ void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& o
   find_surface(scan, twist, work.surface, out.surface);
   if (!options.noise_weights) level_variances(out.surface);
   out.range_max_m = scan.effective_range_max();
-  fill_bearing_table(scan, out.surface, work.surface, twist.omega * scan.time_increment, options.min_empty_run_rad,
-                     work.bearings, out.bearings);
+  out.all.fill(out.surface);
+  work.turns.resize(out.all.padded());
+  fill_directions(out.all.x.data(), out.all.y.data(), out.all.padded(), work.turns.data());
+  fill_bearing_table(scan, out.surface, work.turns.data(), work.surface, twist.omega * scan.time_increment,
+                     options.min_empty_run_rad, work.bearings, out.bearings);
   // The table must hold translations as long as people move between scans, yet keep its cells small in small places.
   const double extent = out.surface.extent;
   out.scale_m = std::max(1.05 * extent, std::min(3.2, 2.2 * extent));
@@ -66,13 +88,12 @@ void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& o
   out.nearest.build(out.surface.points,
                     std::max(half_width, static_cast<float>(std::min(1.5 * out.scale_m, 1.05 * out.range_max_m))),
                     half_width / 50.0F);
-  fill_normal_histogram(out.surface, out.normals);
+  fill_directions(out.all.nx.data(), out.all.ny.data(), out.all.padded(), work.turns.data());
+  fill_normal_histogram(out.surface, work.turns.data(), out.normals);
   const float length = fill_lengths(out.surface, work.lengths);
-  sample_evenly(work.lengths, length, options.sparse_points, work.indices);
-  out.sparse.fill(out.surface, work.indices);
-  sample_evenly(work.lengths, length, options.middle_points, work.indices);
-  out.middle.fill(out.surface, work.indices);
-  out.all.fill(out.surface);
+  sample_evenly(work.lengths, length, options, work);
+  out.sparse.fill(out.surface, work.sparse);
+  out.middle.fill(out.surface, work.middle);
   if (options.with_table) out.table.build(out.surface, out.bearings, out.scale_m, options.values);
 }
 

@@ -43,8 +43,8 @@ struct PrepareOptions {
 struct PrepareWorkspace {
   SurfaceWorkspace surface;
   BearingWorkspace bearings;
-  std::vector<int> indices;
-  std::vector<float> lengths;
+  std::vector<int> sparse, middle;
+  std::vector<float> lengths, turns;
 };
 
 /// @cost about 50 us for 360 beams, linear in beams

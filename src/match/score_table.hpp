@@ -40,6 +40,9 @@ class ScoreTable {
 
  private:
   std::vector<std::uint8_t> cells_;
+  std::size_t bins_ = 0;                    // of the last bearings
+  std::vector<std::uint16_t> bin_of_cell_;  // of the inner cells, for so many bins
+  std::vector<float> limit_;                // of each bin, in cells, see ScoreRow
   float cell_ = 1.0F, inverse_cell_ = 1.0F;
   ScoreTableValues values_;
 };

@@ -71,7 +71,8 @@ MatchResult AnyMatcher::match(const Scan& reference, const Scan& scan, const Mat
 AnyReference AnyMatcher::prepare(const Scan& reference, const Twist2& twist) {
   return std::visit(
       [&](auto& engine) {
-        return AnyReference(std::make_shared<const AnyReference::Data>(AnyReference::Data{engine.prepare(reference, twist)}));
+        return AnyReference(
+            std::make_shared<const AnyReference::Data>(AnyReference::Data{engine.prepare(reference, twist)}));
       },
       impl_->engine);
 }

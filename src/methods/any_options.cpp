@@ -25,7 +25,13 @@ MatchOptions AnyMatchOptions::for_global() const {
 }
 
 FftIcpOptions AnyMatchOptions::for_fft_icp(FftIcpMethod method) const {
-  return {{method, match.general.min_points, match.min_extent_m}, image, missing, spectrum, rotation, translation, icp,
+  return {{method, match.general.min_points, match.min_extent_m},
+          image,
+          missing,
+          spectrum,
+          rotation,
+          translation,
+          icp,
           ndt};
 }
 

@@ -20,17 +20,17 @@ constexpr float kApartM = 0.8F;       // [m] what moves with the robot has moved
 
 enum class Border { kNone, kFarther, kNearer, kGap };
 
-std::uint32_t bucket_of(float x, float y) {
-  const auto u = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(x / kSameObjectM)));
-  const auto v = static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(y / kSameObjectM)));
-  std::uint32_t h = u * 0x9E3779B1U ^ v * 0x85EBCA77U;
-  h ^= h >> 15;
-  return h;
+/// Where a coordinate lies in cells, as std::floor but without a call.
+std::int32_t cell_of(float metres) {
+  const float cells = metres / kSameObjectM;
+  const auto whole = static_cast<std::int32_t>(cells);
+  return whole - (cells < static_cast<float>(whole) ? 1 : 0);
 }
 
-bool share_cell(const FreeStandingHit& a, const FreeStandingHit& b) {
-  return std::floor(a.x / kSameObjectM) == std::floor(b.x / kSameObjectM) &&
-         std::floor(a.y / kSameObjectM) == std::floor(b.y / kSameObjectM);
+std::uint32_t bucket_of(std::int32_t u, std::int32_t v) {
+  std::uint32_t h = static_cast<std::uint32_t>(u) * 0x9E3779B1U ^ static_cast<std::uint32_t>(v) * 0x85EBCA77U;
+  h ^= h >> 15;
+  return h;
 }
 
 /// The last hit's beam stands next to the first one's.
@@ -95,12 +95,16 @@ void StaticObjectFilter::find(const std::vector<FreeStandingHit>& hits, const st
   next_.resize(hits.size());
   // Hits of one view in one cell stand for each other.
   first_.resize(hits.size());
+  cells_.resize(hits.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {
-    std::int32_t& head = heads_[bucket_of(hits[i].x, hits[i].y) & (size - 1)];
+    const Cell cell{cell_of(hits[i].x), cell_of(hits[i].y)};
+    cells_[i] = cell;
+    std::int32_t& head = heads_[bucket_of(cell.u, cell.v) & (size - 1)];
     first_[i] = static_cast<std::int32_t>(i);
     for (std::int32_t j = head; j >= 0 && hits[static_cast<std::size_t>(j)].view == hits[i].view;
          j = next_[static_cast<std::size_t>(j)]) {
-      if (!share_cell(hits[i], hits[static_cast<std::size_t>(j)])) continue;
+      const Cell& other = cells_[static_cast<std::size_t>(j)];
+      if (cell.u != other.u || cell.v != other.v) continue;
       first_[i] = j;
       break;
     }
@@ -128,7 +132,8 @@ void StaticObjectFilter::find(const std::vector<FreeStandingHit>& hits, const st
     for (int k = 0; k < 9 && !out[i]; ++k) {
       const float x = hits[i].x + static_cast<float>(k % 3 - 1) * kSameObjectM,
                   y = hits[i].y + static_cast<float>(k / 3 - 1) * kSameObjectM;
-      for (std::int32_t j = heads_[bucket_of(x, y) & (size - 1)]; j >= 0; j = next_[static_cast<std::size_t>(j)]) {
+      for (std::int32_t j = heads_[bucket_of(cell_of(x), cell_of(y)) & (size - 1)]; j >= 0;
+           j = next_[static_cast<std::size_t>(j)]) {
         if (!meets(hits[i], hits[static_cast<std::size_t>(j)])) continue;
         out[i] = 1;
         break;

@@ -37,7 +37,11 @@ class StaticObjectFilter {
   struct View {
     float cos, sin, x, y;
   };
+  struct Cell {
+    std::int32_t u, v;
+  };
   std::vector<View> views_;
+  std::vector<Cell> cells_;                 // of the hits
   std::vector<std::int32_t> heads_, next_;  // hits by cell, as chains
   std::vector<std::int32_t> first_;         // the hit that stands for this one
 };

@@ -16,6 +16,12 @@ int direction_of(float nx, float ny) {
   return (nx >= 0.0F ? 0 : 1) | (ny >= 0.0F ? 0 : 2) | (std::fabs(nx) >= std::fabs(ny) ? 0 : 4);
 }
 
+/// Where a coordinate lies in cells, as std::floor but without a call.
+std::int64_t cell_of(float cells) {
+  const auto whole = static_cast<std::int64_t>(cells);
+  return whole - (cells < static_cast<float>(whole) ? 1 : 0);
+}
+
 std::uint64_t hash(std::uint64_t key) {
   key ^= key >> 31;
   key *= 0x9E3779B97F4A7C15ULL;
@@ -28,7 +34,9 @@ void LocalMap::reset(const Pose2& T_world_map, double half_width_m, double cell_
   T_world_map_ = T_world_map;
   half_width_m_ = half_width_m;
   cell_m_ = cell_m;
-  extent_m_ = 0.0;
+  inverse_cell_ = static_cast<float>(1.0 / cell_m);
+  extent_m_ = 0.0F;
+  last_surfel_ = -1;
   surfels_.clear();
   lone_.clear();
   free_standing_.clear();
@@ -66,11 +74,10 @@ void LocalMap::add_static_objects() {
 
 void LocalMap::add_point(float px, float py, float nx, float ny, float variance, float normal_variance,
                          std::uint8_t free_standing) {
-  const auto inverse = static_cast<float>(1.0 / cell_m_);
-  const auto u = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(px * inverse)) + (1 << 20));
-  const auto v = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(py * inverse)) + (1 << 20));
+  const auto u = static_cast<std::uint64_t>(cell_of(px * inverse_cell_) + (1 << 20));
+  const auto v = static_cast<std::uint64_t>(cell_of(py * inverse_cell_) + (1 << 20));
   const std::uint64_t cell = (u << 21 | v) * (kDirections + 2);
-  extent_m_ = std::max({extent_m_, static_cast<double>(std::fabs(px)), static_cast<double>(std::fabs(py))});
+  extent_m_ = std::max({extent_m_, std::fabs(px), std::fabs(py)});
   const float weight = 1.0F / variance;
   if (nx == 0.0F && ny == 0.0F) {
     std::int32_t& alone = slot(cell + kDirections + 1);
@@ -84,15 +91,21 @@ void LocalMap::add_point(float px, float py, float nx, float ny, float variance,
     if (4 * (surfels_.size() + lone_.size()) > table_.size()) grow_table();
     return;
   }
-  std::int32_t& mine = slot(cell + 1 + static_cast<std::uint64_t>(direction_of(nx, ny)));
-  if (mine >= 0) {
-    Surfel& s = surfels_[static_cast<std::size_t>(mine)];
+  const std::uint64_t key = cell + 1 + static_cast<std::uint64_t>(direction_of(nx, ny));
+  if (last_surfel_ < 0 || key != last_key_) {
+    std::int32_t& mine = slot(key);
+    last_key_ = key;
+    last_surfel_ = mine;
+    if (mine < 0) mine = static_cast<std::int32_t>(surfels_.size());
+  }
+  if (last_surfel_ >= 0) {
+    Surfel& s = surfels_[static_cast<std::size_t>(last_surfel_)];
     s.x += weight * px, s.y += weight * py, s.nx += weight * nx, s.ny += weight * ny, s.variance += weight;
     s.normal_variance += weight * weight * normal_variance;
     return;
   }
   const auto index = static_cast<std::int32_t>(surfels_.size());
-  mine = index;
+  last_surfel_ = index;
   surfels_.push_back({weight * px, weight * py, weight * nx, weight * ny, weight, weight * weight * normal_variance,
                       index, free_standing});
   // Join the ring of the cell.
@@ -142,7 +155,7 @@ void LocalMap::normalise(std::vector<Surfel>& surfels, NearestGrid& grid) {
     grid_points_[i].x = s.x;
     grid_points_[i].y = s.y;
   }
-  const double half = std::min(half_width_m_, extent_m_ + reach_m());
+  const double half = std::min(half_width_m_, static_cast<double>(extent_m_) + reach_m());
   grid.build(grid_points_, static_cast<float>(std::max(half, 1.0)), static_cast<float>(cell_m_));
 }
 

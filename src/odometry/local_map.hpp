@@ -81,10 +81,14 @@ class LocalMap {
   void add_static_objects();
 
   Pose2 T_world_map_;
-  double cell_m_ = 0.1, half_width_m_ = 20.0, extent_m_ = 0.0;
+  double cell_m_ = 0.1, half_width_m_ = 20.0;
+  float inverse_cell_ = 10.0F, extent_m_ = 0.0F;
   std::vector<Surfel> surfels_;  // x, y, nx, ny hold weighted sums until finish(), variance the sum of weights
   std::vector<Surfel> lone_;
   std::vector<Slot> table_;
+  // Where the last point went: hits of one scan lie next to each other.
+  std::uint64_t last_key_ = 0;
+  std::int32_t last_surfel_ = -1;
   struct FreeStandingSurface {
     float nx, ny, variance, normal_variance;
   };

@@ -36,11 +36,12 @@ constexpr double kMostStepM = 0.15;
 constexpr double kUnknownM = 0.05, kUnknownRad = 0.1, kAfterGap = 100.0;
 constexpr double kSlowDown = 0.5;  // of the speed, per scan without a match
 
-}  // namespace
-
+/// Covariance of a step of which nothing is known, a usual period long.
 Eigen::Matrix3d unknown_step_covariance() {
   return Eigen::Vector3d(kUnknownM * kUnknownM, kUnknownM * kUnknownM, kUnknownRad * kUnknownRad).asDiagonal();
 }
+
+}  // namespace
 
 bool MotionModel::trusts_wheel_distance() const {
   return wheels.trust_distance >= kLeastTrust;
@@ -191,12 +192,27 @@ void MotionModel::set_twist(const Pose2& moved, const MotionInput& input) {
   if (input.seconds > 0.0) twist = mean_twist(moved, input.seconds);
 }
 
-Eigen::Matrix3d grow_covariance(const Eigen::Matrix3d& since_keyframe, const MotionUpdate& update) {
-  const Eigen::Matrix3d only_step = update.known - update.seen;
-  Eigen::Matrix3d covariance = rotate_information(since_keyframe, -update.moved.theta);
-  covariance += (only_step + Eigen::Matrix3d(Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal())).inverse();
-  covariance = (update.seen + covariance.inverse()).inverse();
-  return 0.5 * (covariance + covariance.transpose().eval());
+void RelativeUncertainty::grow(const MotionUpdate& update, std::size_t map_keyframes) {
+  const Eigen::Matrix3d& seen = update.seen;
+  const Eigen::Matrix3d only_step = update.known - seen;
+  const double turn = -update.moved.theta;
+  const Eigen::Matrix3d step = (only_step + Eigen::Matrix3d(Eigen::Vector3d(1.0, 1.0, 1.0).asDiagonal())).inverse();
+  Eigen::Matrix3d by_motion = rotate_information(covariance, turn);
+  by_motion += step;
+  const Eigen::Matrix3d motion_information = by_motion.inverse();
+  covariance = (seen + motion_information).inverse();
+  covariance = 0.5 * (covariance + covariance.transpose().eval());
+  // The new error is a mean of that of the match and that of the motion, with these weights.
+  const Eigen::Matrix3d of_match = covariance * seen, of_motion = covariance * motion_information;
+  const double left = 2.0 / (static_cast<double>(map_keyframes) + 1.0);
+  drift = left * left * of_match * covariance +
+          of_motion * (rotate_information(drift, turn) + step) * of_motion.transpose();
+  drift = 0.5 * (drift + drift.transpose().eval());
+}
+
+void RelativeUncertainty::grow_unseen() {
+  covariance += unknown_step_covariance();
+  drift += unknown_step_covariance();
 }
 
 }  // namespace phasescan

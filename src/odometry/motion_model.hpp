@@ -93,12 +93,24 @@ struct MotionModel {
   Pose2 fuse_wheels(const Pose2& moved, const Pose2& wheel_step, Eigen::Matrix3d& known) const;
 };
 
-/// Covariance of the pose relative to the last keyframe after another step, frame of the new base: where the match
-/// sees, it sees relative to the map; where it does not, every step adds its own uncertainty.
-/// @param since_keyframe  the same before the step, frame of the old base
-Eigen::Matrix3d grow_covariance(const Eigen::Matrix3d& since_keyframe, const MotionUpdate& update);
+/// How uncertain the pose relative to the last keyframe is, frame of the base. Plain values.
+struct RelativeUncertainty {
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// The part of it that stays when the map moves on. A match sees relative to all keyframes of the map: of its error
+  /// 2 / (n + 1) are left in the map of n keyframes in the end; an error of a step that no match saw stays whole.
+  Eigen::Matrix3d drift = Eigen::Matrix3d::Zero();
 
-/// Covariance of a step of which nothing is known, a usual period long.
-Eigen::Matrix3d unknown_step_covariance();
+  /// After another step: where the match sees, it sees relative to the map; where it does not, every step adds its own
+  /// uncertainty.
+  void grow(const MotionUpdate& update, std::size_t map_keyframes);
+  /// After a step without a match.
+  void grow_unseen();
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("covariance", self.covariance);
+    v("drift", self.drift);
+  }
+};
 
 }  // namespace phasescan

@@ -12,9 +12,10 @@ namespace phasescan {
 namespace {
 
 constexpr std::size_t kJudgingPoints = 150;  // points that score a finished match
-// Shares of the usual score: a match that explains less is searched around; one that explains less than the second even
-// after that falls back to the match against the last scan.
-constexpr double kMinShare = 0.85, kFallBackShare = 0.7;
+// Shares of the usual score. Below the first the match against the last scan is asked for: it is more than half of the
+// work of a scan, and on the recorded logs a prior that matches above this share do not need. Below the second a better
+// pose is searched nearby; below the third even after that the pose falls back to the match against the last scan.
+constexpr double kSureShare = 0.95, kMinShare = 0.85, kFallBackShare = 0.7;
 constexpr double kClearlyBetter = 0.04;  // of the score, for a pose from the search nearby to be taken instead
 // A match against the last scan that is in doubt: overlap that it needs, and [rad] that it may be off the motion
 // before.
@@ -62,8 +63,8 @@ void search_nearby(const LocalMap& map, const MapPoints& points, double min_over
 
 /// Tries the match against the last scan as a start.
 void fall_back_to_global_match(const LocalMap& map, const MapPoints& points, const PoseQuery& query,
-                               const SearchPolicy& policy, PoseSolution& best) {
-  const std::optional<LastScanMatch>& last = query.last_scan;
+                               const std::optional<LastScanMatch>& last, const SearchPolicy& policy,
+                               PoseSolution& best) {
   if (!last || (!last->usable && !policy.try_doubtful_last_scan)) return;
   // The match knows more of the pose now than the motion model does; one in doubt is a place to begin at, no more.
   PosePrior by_match;
@@ -90,22 +91,30 @@ void fall_back_to_global_match(const LocalMap& map, const MapPoints& points, con
 PoseSolution solve_pose(const LocalMap& map, const MapPoints& points, const PoseQuery& query,
                         const SearchPolicy& policy) {
   PoseSolution best;
-  const bool fused = query.last_scan && query.last_scan->certain && policy.fuse_last_scan;
-  best.prior = fused ? fuse_scan_to_scan(query.prior, *query.last_scan) : query.prior;
-  best.found = register_points(map, points, query.guess, {}, best.prior);
+  best.prior = query.prior;
   const auto found = [&] { return best.found.overlap >= query.min_overlap; };
+  const auto determined = [&] { return determines_position(kMatchTrust * best.found.information); };
+  const auto explains = [&](double share) { return found() && best.score >= share * query.usual_score; };
+  best.found = register_points(map, points, query.guess, {}, best.prior);
+  best.score = score_of(map, points, best.found.T_map_base);
+  if (!policy.always_try_last_scan && explains(kSureShare) && determined()) return best;
+
+  const std::optional<LastScanMatch> last = query.match_last_scan();
+  const bool fused = last && last->certain && policy.fuse_last_scan;
+  if (fused) {
+    best.prior = fuse_scan_to_scan(query.prior, *last);
+    best.found = register_points(map, points, query.guess, {}, best.prior);
+  }
   if (policy.resolve_degenerate && found()) resolve_degenerate_direction(map, points, best.prior, best.found);
-  if (!fused && query.learned && found() && !determines_position(kMatchTrust * best.found.information)) {
+  if (!fused && query.learned && found() && !determined()) {
     best.prior = *query.learned;
     best.found = register_points(map, points, best.prior.T_map_base, {}, best.prior);
   }
   best.score = score_of(map, points, best.found.T_map_base);
-  if (policy.always_try_last_scan) fall_back_to_global_match(map, points, query, policy, best);
-  if (!best.full_search && (!found() || best.score < kMinShare * query.usual_score)) {
-    search_nearby(map, points, query.min_overlap, best);
-    if (!found() || best.score < kFallBackShare * query.usual_score)
-      fall_back_to_global_match(map, points, query, policy, best);
-  }
+  if (policy.always_try_last_scan) fall_back_to_global_match(map, points, query, last, policy, best);
+  if (best.full_search || explains(kMinShare)) return best;
+  search_nearby(map, points, query.min_overlap, best);
+  if (!explains(kFallBackShare)) fall_back_to_global_match(map, points, query, last, policy, best);
   return best;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 
 #include "odometry/local_map.hpp"
@@ -25,7 +26,9 @@ struct PoseQuery {
   PosePrior prior;
   /// What the learned motion says in place of the prior where the scan leaves a direction open; empty: nothing.
   std::optional<PosePrior> learned;
-  std::optional<LastScanMatch> last_scan;
+  /// Matches the scan against the last one: asked for at most once, and only where the map does not show the pose well
+  /// (or always, by the policy), for it costs more than all else.
+  std::function<std::optional<LastScanMatch>()> match_last_scan;
   double min_overlap = 0.35;  ///< a match with less is none
   double usual_score = 0.5;   ///< mean score of finished matches
 };

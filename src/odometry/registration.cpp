@@ -8,6 +8,7 @@
 
 #include "odometry/degeneracy.hpp"
 #include "odometry/information.hpp"
+#include "odometry/point_equations.hpp"
 
 namespace phasescan {
 namespace {
@@ -46,70 +47,62 @@ Eigen::Matrix3d symmetric(const float (&m)[6]) {
   return M.cast<double>();
 }
 
-Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, double gate_m, double min_cosine) {
+/// Adds a lone hit, which counts in both directions.
+void add_lone(const LocalMap& map, float rx, float ry, float tx, float ty, float variance_of_hit, float gate,
+              float widen, PointSums& sums) {
+  const Surfel* lone = map.find_lone(rx + tx, ry + ty);
+  if (!lone) return;
+  const float ex = rx + tx - lone->x, ey = ry + ty - lone->y, d2 = ex * ex + ey * ey;
+  if (d2 > gate * gate) return;
+  const float variance = variance_of_hit + lone->variance + widen;
+  const float kernel = 1.0F / (1.0F + d2 / (kKernelVariances * variance));
+  const float w = kernel * kernel / variance;
+  sums.H[0] += w;
+  sums.H[2] -= w * ry;
+  sums.H[3] += w;
+  sums.H[4] += w * rx;
+  sums.H[5] += w * (rx * rx + ry * ry);
+  sums.g[0] += w * ex;
+  sums.g[1] += w * ey;
+  sums.g[2] += w * (rx * ey - ry * ex);
+}
+
+/// @param partners  buffers
+Pass linearise(const LocalMap& map, const MapPoints& points, const Pose2& T, double gate_m, double min_cosine,
+               PointPartners& partners) {
   const auto c = static_cast<float>(std::cos(T.theta)), s = static_cast<float>(std::sin(T.theta));
   const auto tx = static_cast<float>(T.x), ty = static_cast<float>(T.y), gate = static_cast<float>(gate_m);
   const auto cosine = static_cast<float>(min_cosine);
   const float widen = kGateWidening * gate * gate;
-  float h[6] = {}, g[3] = {}, normal_noise[6] = {}, squares = 0.0F, efficiency = 0.0F;
-  Pass pass;
+  PointSums lone;
+  std::size_t n = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const float rx = c * points.x[i] - s * points.y[i], ry = s * points.x[i] + c * points.y[i];
-    const float nx = c * points.nx[i] - s * points.ny[i], ny = s * points.nx[i] + c * points.ny[i];
     if (points.lone(i)) {
-      const Surfel* lone = map.find_lone(rx + tx, ry + ty);
-      if (!lone) continue;
-      const float ex = rx + tx - lone->x, ey = ry + ty - lone->y, d2 = ex * ex + ey * ey;
-      if (d2 > gate * gate) continue;
-      const float variance = points.variance[i] + lone->variance + widen;
-      const float kernel = 1.0F / (1.0F + d2 / (kKernelVariances * variance));
-      const float w = kernel * kernel / variance;
-      h[0] += w;
-      h[2] -= w * ry;
-      h[3] += w;
-      h[4] += w * rx;
-      h[5] += w * (rx * rx + ry * ry);
-      g[0] += w * ex;
-      g[1] += w * ey;
-      g[2] += w * (rx * ey - ry * ex);
+      add_lone(map, rx, ry, tx, ty, points.variance[i], gate, widen, lone);
       continue;
     }
+    const float nx = c * points.nx[i] - s * points.ny[i], ny = s * points.nx[i] + c * points.ny[i];
     const Surfel* surfel = map.find(rx + tx, ry + ty, nx, ny, cosine);
     if (!surfel) continue;
-    const float dx = rx + tx - surfel->x, dy = ry + ty - surfel->y;
-    const float e = dx * surfel->nx + dy * surfel->ny;
-    const float along = dy * surfel->nx - dx * surfel->ny;
-    if (std::fabs(e) > gate || std::fabs(along) > gate + kAlongM) continue;
-    const float sharp = points.variance[i] + surfel->variance, variance = sharp + widen;
-    efficiency += sharp / variance;
-    const float kernel = 1.0F / (1.0F + e * e / (kKernelVariances * variance));
-    const float w = kernel * kernel / variance;
-    const float jt = rx * surfel->ny - ry * surfel->nx;
-    h[0] += w * surfel->nx * surfel->nx;
-    h[1] += w * surfel->nx * surfel->ny;
-    h[2] += w * surfel->nx * jt;
-    h[3] += w * surfel->ny * surfel->ny;
-    h[4] += w * surfel->ny * jt;
-    h[5] += w * jt * jt;
-    g[0] += w * surfel->nx * e;
-    g[1] += w * surfel->ny * e;
-    g[2] += w * jt * e;
-    // The tangent in place of the normal.
-    const float wl = w * surfel->normal_variance, lt = -rx * surfel->nx - ry * surfel->ny;
-    normal_noise[0] += wl * surfel->ny * surfel->ny;
-    normal_noise[1] -= wl * surfel->ny * surfel->nx;
-    normal_noise[2] += wl * surfel->ny * lt;
-    normal_noise[3] += wl * surfel->nx * surfel->nx;
-    normal_noise[4] -= wl * surfel->nx * lt;
-    normal_noise[5] += wl * lt * lt;
-    squares += e * e;
-    ++pass.partners;
+    partners.rx[n] = rx, partners.ry[n] = ry;
+    partners.nx[n] = surfel->nx, partners.ny[n] = surfel->ny;
+    partners.dx[n] = rx + tx - surfel->x, partners.dy[n] = ry + ty - surfel->y;
+    partners.variance[n] = points.variance[i] + surfel->variance;
+    partners.normal_variance[n] = surfel->normal_variance;
+    ++n;
   }
-  pass.H = symmetric(h);
-  pass.normal_noise = symmetric(normal_noise);
-  pass.g = Eigen::Vector3f(g[0], g[1], g[2]).cast<double>();
-  pass.squares = static_cast<double>(squares);
-  if (pass.partners > 0) pass.kernel_efficiency = static_cast<double>(efficiency) / pass.partners;
+  partners.count = n;
+  PointSums sums = sum_point_equations(partners, {gate, gate + kAlongM, widen, kKernelVariances});
+  for (int i = 0; i < 6; ++i) sums.H[i] += lone.H[i];
+  for (int i = 0; i < 3; ++i) sums.g[i] += lone.g[i];
+  Pass pass;
+  pass.H = symmetric(sums.H);
+  pass.normal_noise = symmetric(sums.normal_noise);
+  pass.g = Eigen::Vector3f(sums.g[0], sums.g[1], sums.g[2]).cast<double>();
+  pass.squares = static_cast<double>(sums.squares);
+  pass.partners = sums.partners;
+  if (pass.partners > 0) pass.kernel_efficiency = static_cast<double>(sums.efficiency) / pass.partners;
   return pass;
 }
 
@@ -194,11 +187,12 @@ struct Descent {
 
 /// Steps until they are small.
 void descend(const LocalMap& map, const MapPoints& points, const RegistrationOptions& options,
-             const std::optional<PosePrior>& prior, const Degeneracy& degeneracy, Descent& at) {
+             const std::optional<PosePrior>& prior, const Degeneracy& degeneracy, PointPartners& partners,
+             Descent& at) {
   Registration& result = at.result;
   for (int step_count = 1; step_count <= options.max_iterations; ++step_count) {
     ++result.iterations;
-    at.pass = linearise(map, points, result.T_map_base, at.gate_m, options.min_normal_cosine);
+    at.pass = linearise(map, points, result.T_map_base, at.gate_m, options.min_normal_cosine, partners);
     if (at.pass.partners < kLeastPartners) return;
     Eigen::Matrix3d H = at.pass.H;
     Eigen::Vector3d g = at.pass.g;
@@ -237,7 +231,8 @@ void descend(const LocalMap& map, const MapPoints& points, const RegistrationOpt
 /// than a few small pieces of surface: somebody who walks along a corridor with the robot, or the roughness of one spot
 /// near the sensor. What is known of the motion is the other explanation of such a scan.
 void check_degenerate_direction(const LocalMap& map, const MapPoints& points, const RegistrationOptions& options,
-                                const std::optional<PosePrior>& prior, Degeneracy& degeneracy, Descent& at) {
+                                const std::optional<PosePrior>& prior, Degeneracy& degeneracy, PointPartners& partners,
+                                Descent& at) {
   const std::optional<Eigen::Vector3d> u = degenerate_direction(at.pass);
   if (!u) return;
   const auto evidence = [&](const Pose2& T) {
@@ -256,7 +251,7 @@ void check_degenerate_direction(const LocalMap& map, const MapPoints& points, co
     } else if (contradiction > (here.pieces < kMostPieces ? kDifferent : kContradictsPrior)) {
       Descent there = at;
       const Degeneracy unobservable{kClearOfNormalNoise, u};
-      descend(map, points, options, prior, unobservable, there);
+      descend(map, points, options, prior, unobservable, partners, there);
       const int fitting = evidence(there.result.T_map_base).fitting;
       // Between equals what is known of the motion decides.
       if (fitting > here.fitting || (fitting == here.fitting && contradiction > kContradictsPrior)) {
@@ -266,7 +261,7 @@ void check_degenerate_direction(const LocalMap& map, const MapPoints& points, co
       }
     }
   }
-  descend(map, points, options, prior, degeneracy, at);
+  descend(map, points, options, prior, degeneracy, partners, at);
 }
 
 }  // namespace
@@ -277,11 +272,13 @@ Registration register_points(const LocalMap& map, const MapPoints& points, const
   at.result.T_map_base = guess;
   if (map.empty() || points.with_normal == 0) return at.result;
   at.gate_m = options.gate_start_m;
+  PointPartners partners;
+  partners.reserve(points.size());
   Degeneracy degeneracy;
-  descend(map, points, options, prior, degeneracy, at);
+  descend(map, points, options, prior, degeneracy, partners, at);
   Registration& result = at.result;
   if (at.pass.partners >= kLeastPartners && result.T_map_base.is_finite()) {
-    check_degenerate_direction(map, points, options, prior, degeneracy, at);
+    check_degenerate_direction(map, points, options, prior, degeneracy, partners, at);
   }
   const Pass& pass = at.pass;
   result.information = seen_by(pass, degeneracy);

@@ -94,12 +94,12 @@ struct OdometryState {
   LastScans last_scans;
   std::vector<WindowKeyframe> window;  ///< the local map is made of these, around the last one; empty before the first
   std::optional<FirstKeyframe> first;
-  Pose2 T_odom_mid;                                               ///< of the last scan
-  Eigen::Matrix3d since_keyframe = Eigen::Matrix3d::Zero();       ///< covariance of the pose relative to the last
-                                                                  ///< keyframe, frame of the base
-  Eigen::Matrix3d keyframe_covariance = Eigen::Matrix3d::Zero();  ///< of that keyframe's pose, along the axes of odom
-  double usual_score = 0.5;                                       ///< slow mean of the score of finished matches
-  int untracked = 0;                                              ///< scans in a row without a match
+  Pose2 T_odom_mid;  ///< of the last scan
+  RelativeUncertainty since_keyframe;
+  Eigen::Matrix3d keyframe_covariance =
+      Eigen::Matrix3d::Zero();  ///< of the last keyframe's pose, along the axes of odom
+  double usual_score = 0.5;     ///< slow mean of the score of finished matches
+  int untracked = 0;            ///< scans in a row without a match
   Standstill standstill;
 
   template <class Self, class Visitor>

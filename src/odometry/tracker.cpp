@@ -27,6 +27,8 @@ constexpr double kMapMarginM = 5.0;  // [m] the map reaches so much farther than
 constexpr double kMemory = 0.95;     // weight of the past in the usual score
 // Standard deviations of the first pose, which is the origin: no more than keeps the covariance definite [m], [rad].
 constexpr double kStartM = 1e-4, kStartRad = 1e-4;
+// What a robot may change its motion by during the first turn, unseen: half a turn of accelerations [m/s^2], [rad/s^2].
+constexpr double kStartAcceleration = 0.5 * 0.5, kStartTurnAcceleration = 0.5 * 0.8;
 
 /// Covariance of (x, y, theta) of T_odom_keyframe * T_keyframe_base along the axes of odom.
 /// @param keyframe  covariance of T_odom_keyframe along the axes of odom
@@ -178,7 +180,7 @@ Tracker::Solution Tracker::solve(Scanned& scanned) {
     query.guess = pose.found.T_map_base;
     query.prior = expected.prior;
     query.learned = expected.learned;
-    query.last_scan = match_last_scan(scanned);
+    query.match_last_scan = [&] { return match_last_scan(scanned); };
     query.min_overlap = options_.min_overlap;
     query.usual_score = state_.usual_score;
     pose = solve_pose(map_, *scanned.frame.points, query, scanned.policy);
@@ -229,6 +231,10 @@ void Tracker::deskew_first(const Twist2& twist, const SearchPolicy& policy) {
   // The first scan stands with its stamp at the origin, as all others stand with theirs.
   state_.T_odom_mid = exp_twist(twist, middle_of_turn_s(first.distorted->scan, first.duration_s));
   state_.window.front() = {frame.all_points, state_.T_odom_mid};
+  // The stamp is the origin, and the middle of the turn as uncertain as the motion up to it.
+  const double square = first.duration_s * first.duration_s, sigma_m = kStartAcceleration * square,
+               sigma_rad = kStartTurnAcceleration * square;
+  state_.keyframe_covariance.diagonal() += Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad);
   TrackedKeyframe& keyframe = state_.first->keyframe;
   keyframe.points = frame.points;
   keyframe.T_odom_base = state_.T_odom_mid;
@@ -251,7 +257,7 @@ Pose2 Tracker::correct(const Scanned& scanned, const PoseSolution& pose, Tracker
   const MotionUpdate update =
       state_.motion.fuse(pose.found, pose.prior, T_map_last().inverse() * pose.found.T_map_base, scanned.motion);
   state_.motion.correct(update, scanned.expected.score, scanned.motion);
-  state_.since_keyframe = grow_covariance(state_.since_keyframe, update);
+  state_.since_keyframe.grow(update, state_.window.size());
   state_.untracked = 0;
   step.diagnostics.wheels = update.wheels;
   step.status = status_of(step.diagnostics, determines_position(update.seen), options_.min_overlap);
@@ -260,7 +266,7 @@ Pose2 Tracker::correct(const Scanned& scanned, const PoseSolution& pose, Tracker
 
 Pose2 Tracker::coast(const Scanned& scanned, TrackerStep& step) {
   ++state_.untracked;
-  state_.since_keyframe += unknown_step_covariance();
+  state_.since_keyframe.grow_unseen();
   step.status = TrackingStatus::kLost;
   return state_.motion.step_without_match(scanned.expected.step, scanned.motion);
 }
@@ -278,9 +284,9 @@ void Tracker::move(const Scanned& scanned, const Pose2& moved, TrackerStep& step
   }
   step.T_odom_mid = T_odom_mid;
   step.twist = state_.motion.twist;
-  step.information = state_.since_keyframe.inverse();
-  step.covariance =
-      chain_covariance(state_.window.back().T_odom_base, state_.keyframe_covariance, T_odom_mid, state_.since_keyframe);
+  const Eigen::Matrix3d& since = state_.since_keyframe.covariance;
+  step.information = since.inverse();
+  step.covariance = chain_covariance(state_.window.back().T_odom_base, state_.keyframe_covariance, T_odom_mid, since);
   // The stamp lies half a turn before the middle, between the last middle and this one where turns follow each other
   // closely; behind it where beams are listed last to first.
   const double duration_s = motion.timing.duration_s;
@@ -297,7 +303,6 @@ void Tracker::remember(const Scanned& scanned, TrackerStep& step) {
   if (lost) {
     // Nothing but the prediction ties what comes to what was.
     step.diagnostics.new_segment = true;
-    state_.window.clear();
     state_.last_scans.forget();
     state_.untracked = 0;
   }
@@ -332,8 +337,12 @@ void Tracker::insert_keyframe(const Scanned& scanned, TrackerStep& step) {
   keyframe.T_base_laser = scanned.measurement.T_base_laser;
   keyframe.twist = step.twist;
   step.keyframes.push_back(std::move(keyframe));
-  state_.keyframe_covariance = step.covariance;
-  state_.since_keyframe.setZero();
+  if (!state_.window.empty()) {
+    state_.keyframe_covariance = chain_covariance(state_.window.back().T_odom_base, state_.keyframe_covariance,
+                                                  state_.T_odom_mid, state_.since_keyframe.drift);
+  }
+  state_.since_keyframe = {};
+  if (step.diagnostics.new_segment) state_.window.clear();
   state_.window.push_back({scanned.frame.all_points, state_.T_odom_mid});
   while (state_.window.size() > static_cast<std::size_t>(options_.window_keyframes))
     state_.window.erase(state_.window.begin());

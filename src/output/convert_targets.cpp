@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "graph/pose_graph.hpp"
 #include "io/file.hpp"
 #include "io/log_writers.hpp"
 #include "io/pose_writer.hpp"
@@ -21,23 +20,26 @@ class G2oWriter final : public PoseWriter {
 
  protected:
   void add_pose(const LogEntry&, const Pose2& T_odom_base) override {
-    const int node = graph_.add_node(T_odom_base);
-    if (node == 0) return;
+    MapKeyframe pose;
+    pose.T_map_base = T_odom_base;
+    poses_.push_back(pose);
+    const auto last = static_cast<std::int32_t>(poses_.size()) - 1;
+    if (last == 0) return;
     // Wheels say nothing of how sure they are: 5 cm and 2 degrees a step.
     constexpr double kPosition = 1.0 / (0.05 * 0.05);
     const double heading = 1.0 / (deg_to_rad(2.0) * deg_to_rad(2.0));
-    const Pose2& before = graph_.poses()[static_cast<std::size_t>(node - 1)];
-    PoseEdge edge;
-    edge.from = node - 1;
-    edge.to = node;
-    edge.T_from_to = before.inverse() * T_odom_base;
+    MapEdge edge;
+    edge.from = last - 1;
+    edge.to = last;
+    edge.T_from_to = poses_[poses_.size() - 2].T_map_base.inverse() * T_odom_base;
     edge.information = Eigen::Vector3d(kPosition, kPosition, heading).asDiagonal();
-    graph_.add_edge(edge);
+    steps_.push_back(edge);
   }
-  void write() override { write_file(path(), format_g2o(graph_)); }
+  void write() override { write_file(path(), format_g2o(poses_, steps_)); }
 
  private:
-  PoseGraph graph_;
+  std::vector<MapKeyframe> poses_;
+  std::vector<MapEdge> steps_;
 };
 
 /// NAME.pgm and NAME.yaml, whichever of the two was named.

@@ -4,17 +4,17 @@
 
 namespace phasescan {
 
-std::string format_g2o(const PoseGraph& graph) {
+std::string format_g2o(std::span<const MapKeyframe> keyframes, std::span<const MapEdge> edges) {
   std::string text;
   const auto put = [&](auto... values) { ((text += ' ', append_number(text, values)), ...); };
-  for (std::size_t i = 0; i < graph.poses().size(); ++i) {
-    const Pose2& p = graph.poses()[i];
+  for (std::size_t i = 0; i < keyframes.size(); ++i) {
+    const Pose2& p = keyframes[i].T_map_base;
     text += "VERTEX_SE2";
     put(i, p.x, p.y, p.theta);
     text += '\n';
   }
-  if (!graph.poses().empty()) text += "FIX 0\n";
-  for (const PoseEdge& e : graph.edges()) {
+  if (!keyframes.empty()) text += "FIX 0\n";
+  for (const MapEdge& e : edges) {
     if (!e.enabled) continue;
     const Eigen::Matrix3d& I = e.information;
     text += "EDGE_SE2";

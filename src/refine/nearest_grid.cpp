@@ -10,10 +10,17 @@ namespace phasescan {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// For each cell (given by its corner in the padded grid) and point index: the minimum of what is there and the key of
-// that point, over the square of 2 reach + 1 cells (the eighth lane lies outside the reach and gets the largest key).
-void SpreadKeys(const std::uint32_t* HWY_RESTRICT corner, const std::uint32_t* HWY_RESTRICT index, std::size_t count,
-                std::size_t stride, const std::uint32_t* HWY_RESTRICT pattern, std::uint32_t* HWY_RESTRICT keys) {
+// Fills `keys` with `none`. Then for each cell (given by its corner in the padded grid) and point index: the minimum of
+// what is there and the key of that point, over the square of 2 reach + 1 cells (the eighth lane lies outside the reach
+// and gets the largest key).
+void SpreadKeys(std::size_t size, std::uint32_t none, const std::uint32_t* HWY_RESTRICT corner,
+                const std::uint32_t* HWY_RESTRICT index, std::size_t count, std::size_t stride,
+                const std::uint32_t* HWY_RESTRICT pattern, std::uint32_t* HWY_RESTRICT keys) {
+  const hn::ScalableTag<std::uint32_t> wide;
+  std::size_t filled = 0;
+  for (; filled + hn::Lanes(wide) <= size; filled += hn::Lanes(wide))
+    hn::StoreU(hn::Set(wide, none), wide, keys + filled);
+  for (; filled < size; ++filled) keys[filled] = none;
   const hn::CappedTag<std::uint32_t, 8> d;
   constexpr std::size_t kRows = 2 * NearestGrid::kReachCells + 1;
   for (std::size_t k = 0; k < count; ++k) {
@@ -44,6 +51,7 @@ namespace {
 
 constexpr int kReach = NearestGrid::kReachCells;
 constexpr std::uint32_t kNone = 127U << 25;
+constexpr std::size_t kRows = 2 * kReach + 1, kCellsOfAPoint = 8 * kRows;  // that SpreadKeys writes
 
 std::array<std::uint32_t, 56> make_pattern() {
   std::array<std::uint32_t, 56> pattern{};
@@ -60,15 +68,26 @@ std::array<std::uint32_t, 56> make_pattern() {
 
 void NearestGrid::build(std::span<const SurfacePoint> points, float half_width, float cell) {
   static const auto kPattern = make_pattern();
-  thread_local std::vector<std::uint32_t> corners, indices;
   const int inner = 2 * static_cast<int>(std::ceil(half_width / cell)) + 2;
   const int n = inner + 2 * kReach + 2;
-  const auto stride = static_cast<std::size_t>(n);
+  const auto rows = static_cast<std::size_t>(n);
+  // A grid that is large for its points is not filled anew: the cells written last time are, and the rows stay as long.
+  const std::size_t before = view_.stride, written = kCellsOfAPoint * occupied_;
+  const bool keep =
+      before >= rows && before <= 2 * rows && keys_.size() >= rows * before + 8 && 2 * written < rows * rows;
+  const std::size_t stride = keep ? before : rows;
+  if (keep) {
+    for (std::size_t k = 0; k < occupied_; ++k) {
+      for (std::size_t r = 0; r < kRows; ++r) std::fill_n(keys_.begin() + corners_[k] + r * stride, 8, kNone);
+    }
+  } else {
+    keys_.resize(rows * rows + 8);
+  }
   view_ = {nullptr, 0.5F * static_cast<float>(n) * cell, 1.0F / cell, static_cast<float>(n),
-           static_cast<std::uint32_t>(n)};
-  keys_.assign(stride * stride + 8, kNone);
-  corners.clear();
-  indices.clear();
+           static_cast<std::uint32_t>(stride)};
+  corners_.resize(points.size());
+  indices_.resize(points.size());
+  std::size_t occupied = 0;
   std::uint32_t last = ~0U;
   const float low = static_cast<float>(kReach), high = static_cast<float>(n - kReach - 1);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -79,11 +98,12 @@ void NearestGrid::build(std::span<const SurfacePoint> points, float half_width, 
         (static_cast<std::uint32_t>(v) - kReach) * view_.stride + static_cast<std::uint32_t>(u) - kReach;
     if (corner == last) continue;
     last = corner;
-    corners.push_back(corner);
-    indices.push_back(static_cast<std::uint32_t>(i + 1));
+    corners_[occupied] = corner;
+    indices_[occupied++] = static_cast<std::uint32_t>(i + 1);
   }
+  occupied_ = occupied;
   HWY_DYNAMIC_DISPATCH(SpreadKeys)
-  (corners.data(), indices.data(), corners.size(), stride, kPattern.data(), keys_.data());
+  (keep ? 0 : keys_.size(), kNone, corners_.data(), indices_.data(), occupied, stride, kPattern.data(), keys_.data());
 }
 
 }  // namespace phasescan

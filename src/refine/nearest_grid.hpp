@@ -20,7 +20,8 @@ class NearestGrid {
   /// @param points      at most kMaxPoints
   /// @param half_width  points with |x| or |y| beyond it are left out [m]
   /// @param cell        [m]
-  /// @cost  O(cells / 16 + occupied cells); allocates only while it grows
+  /// @cost  O(cells / 16 + occupied cells), without the first where the grid before was much the same; allocates only
+  ///        while it grows
   void build(std::span<const SurfacePoint> points, float half_width, float cell);
 
   /// Index of a point near (px, py), or -1 where none is within reach.
@@ -48,8 +49,10 @@ class NearestGrid {
   }
 
  private:
-  View view_;                        // its pointer stays null: copies of the grid must not share keys
-  std::vector<std::uint32_t> keys_;  // squared distance in cells << 25 | index + 1
+  View view_;                                     // its pointer stays null: copies of the grid must not share keys
+  std::vector<std::uint32_t> corners_, indices_;  // of the occupied cells
+  std::size_t occupied_ = 0;                      // how many these are
+  std::vector<std::uint32_t> keys_;               // squared distance in cells << 25 | index + 1
 };
 
 }  // namespace phasescan

@@ -16,12 +16,12 @@ constexpr double kKeepShare = 0.1, kKeepTurn_rad = 0.003;  // of the gate; partn
 
 PointToLineResult refine_point_to_line(const SurfaceModel& reference, const SurfaceModel& scan, const Pose2& guess,
                                        const PointToLineOptions& options, const SurfaceBatch& of_scan,
-                                       const SurfaceBatch* of_ref) {
+                                       const SurfaceBatch* of_ref, PointToLineWorkspace& work) {
   PointToLineResult result;
   result.T_ref_scan = guess;
   double gate = options.gate_start_m, moved_m = 0.0, turned_rad = 0.0;
   NormalEquations equations;
-  thread_local Partners in_reference, in_scan;
+  Partners &in_reference = work.in_reference, &in_scan = work.in_scan;
   in_reference.known = in_scan.known = false;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     const bool last_gate = gate <= options.gate_end_m;

@@ -41,6 +41,17 @@ struct PointToLineResult {
   double mean_cost = 0.0;  ///< mean of weight * residual^2 over the partners of the last step, both ways
 };
 
+/// Partners of a batch's hits as found at one pose, to be used again a little way on.
+struct Partners {
+  std::vector<std::int32_t> index;  ///< into the model's points, -1 = none; as long as the padded batch
+  bool known = false;               ///< false: look for them and note them here
+};
+
+/// Buffers of a refinement, kept between calls.
+struct PointToLineWorkspace {
+  Partners in_reference, in_scan;
+};
+
 /// Refines T_ref_scan from `guess`: the hits `of_scan` look for lines in the reference and, unless it is null, the hits
 /// `of_ref` for lines in the scan.
 ///
@@ -51,12 +62,13 @@ struct PointToLineResult {
 /// @source [Censi08] for the metric, [Segal09] for weights from both surfaces
 PointToLineResult refine_point_to_line(const SurfaceModel& reference, const SurfaceModel& scan, const Pose2& guess,
                                        const PointToLineOptions& options, const SurfaceBatch& of_scan,
-                                       const SurfaceBatch* of_ref);
+                                       const SurfaceBatch* of_ref, PointToLineWorkspace& work);
 
 /// The same with all hits, both ways.
 inline PointToLineResult refine_point_to_line(const SurfaceModel& reference, const SurfaceModel& scan,
                                               const Pose2& guess, const PointToLineOptions& options) {
-  return refine_point_to_line(reference, scan, guess, options, scan.all, &reference.all);
+  PointToLineWorkspace work;
+  return refine_point_to_line(reference, scan, guess, options, scan.all, &reference.all, work);
 }
 
 /// Normal equations of one step about (x, y, theta): step = -H^-1 g.
@@ -73,12 +85,6 @@ struct PartnerGate {
   double gate_m = 0.1;  ///< partners are at most this far apart, across and along the line
   double soft_m = 0.0;  ///< widens the kernel and levels the weights; 0: maximum likelihood
   double min_normal_cosine = 0.75;
-};
-
-/// Partners of a batch's hits as found at one pose, to be used again a little way on.
-struct Partners {
-  std::vector<std::int32_t> index;  ///< into the model's points, -1 = none; as long as the padded batch
-  bool known = false;               ///< false: look for them and note them here
 };
 
 /// Normal equations of `hits` at T_model_hits against the model's lines.

@@ -17,7 +17,7 @@ struct LineTask {
   const float* normal_variance;
   int last;
   const float *x, *y, *nx, *ny, *length, *variance;
-  std::size_t count;
+  std::size_t count, padded;
   std::int32_t* partners;
   bool known;
   float c, s, tx, ty, gate, soft, min_cosine;
@@ -45,75 +45,93 @@ void SumEquations(LineTask& task) {
   V xx = hn::Zero(df), xy = xx, xt = xx, yy = xx, yt = xx, tt = xx, gx = xx, gy = xx, gt = xx;
   V lxx = xx, lxy = xx, lxt = xx, lyy = xx, lyt = xx, ltt = xx, cost = xx, partners = xx;
   const V one = hn::Set(df, 1.0F);
-  const auto none = hn::Set(di, -1);
-  for (std::size_t k = 0; k < task.count; k += hn::Lanes(df)) {
-    const V px = hn::LoadU(df, task.x + k), py = hn::LoadU(df, task.y + k);
-    const V rx = hn::Sub(hn::Mul(c, px), hn::Mul(s, py)), ry = hn::Add(hn::Mul(s, px), hn::Mul(c, py));
-    const V qx = hn::Add(rx, tx), qy = hn::Add(ry, ty);
-    hn::Mask<decltype(df)> found;
-    hn::Vec<decltype(di)> index;
-    if (task.known) {
-      const auto noted = hn::LoadU(di, task.partners + k);
-      found = hn::RebindMask(df, hn::Gt(noted, none));
-      index = hn::Max(noted, hn::Zero(di));
-    } else {
-      V distance2;
-      index = FindNearest(df, task.grid, task.points, task.last, qx, qy, found, distance2, walks);
-      if (task.partners != nullptr)
-        hn::StoreU(hn::IfThenElse(hn::RebindMask(di, found), index, none), di, task.partners + k);
+  NearestBlock block;
+  PartnerBlock partner;
+  alignas(64) float rx_of[kBlock], ry_of[kBlock], normal_variance[kBlock];
+  for (std::size_t from = 0; from < task.padded; from += kBlock) {
+    const std::size_t size = task.padded - from < kBlock ? task.padded - from : kBlock;
+    for (std::size_t k = 0; k < size; k += hn::Lanes(df)) {
+      const V px = hn::LoadU(df, task.x + from + k), py = hn::LoadU(df, task.y + from + k);
+      const V rx = hn::Sub(hn::Mul(c, px), hn::Mul(s, py)), ry = hn::Add(hn::Mul(s, px), hn::Mul(c, py));
+      hn::Store(rx, df, rx_of + k);
+      hn::Store(ry, df, ry_of + k);
+      hn::Store(hn::Add(rx, tx), df, block.qx + k);
+      hn::Store(hn::Add(ry, ty), df, block.qy + k);
     }
-    found = hn::And(found, hn::FirstN(df, task.count - k));  // the padding is no hit
-    if (hn::AllFalse(df, found)) continue;
-    const V mx = hn::LoadU(df, task.nx + k), my = hn::LoadU(df, task.ny + k);
-    const V ax = hn::Sub(hn::Mul(c, mx), hn::Mul(s, my)), ay = hn::Add(hn::Mul(s, mx), hn::Mul(c, my));
-    const V nx = GatherField(df, task.points, index, kNx), ny = GatherField(df, task.points, index, kNy);
-    // A lone hit has no line of its own, but it knows where the other's line is as well as the rest. Where the other
-    // has none, both are false.
-    const auto lone =
-        hn::And(hn::Eq(hn::Add(hn::Abs(mx), hn::Abs(my)), zero), hn::Gt(hn::Add(hn::Abs(nx), hn::Abs(ny)), zero));
-    auto good = hn::And(found, hn::Or(lone, hn::Ge(hn::Add(hn::Mul(nx, ax), hn::Mul(ny, ay)), min_cosine)));
-    const V dx = hn::Sub(qx, GatherField(df, task.points, index, kLineX)),
-            dy = hn::Sub(qy, GatherField(df, task.points, index, kLineY));
-    const V residual = hn::Add(hn::Mul(dx, nx), hn::Mul(dy, ny));
-    const V along = hn::Sub(hn::Mul(dy, nx), hn::Mul(dx, ny));
-    const V line_length = GatherField(df, task.points, index, kLength), own_length = hn::LoadU(df, task.length + k);
-    good = hn::And(good, hn::Le(hn::Abs(residual), gate));
-    // In the last steps the line is believed no farther than the hits on it, or those of the other scan, are apart.
-    const V reach = with_leak ? hn::Mul(hn::Set(df, 1.5F), hn::Max(line_length, own_length))
-                              : hn::Add(gate, hn::Mul(half, line_length));
-    good = hn::And(good, hn::Le(hn::Abs(along), reach));
-    if (hn::AllFalse(df, good)) continue;
-    // One over the variance of the residual: the point stands for `length` of surface, the line is seen by beams that
-    // stand for line_length each. Times the kernel (Geman-McClure): far residuals count less.
-    const V line_variance = GatherField(df, task.points, index, kVariance);
-    const V spread = hn::Div(hn::Mul(line_variance, line_length), own_length);
-    const V widened = hn::Mul(width, hn::Add(hn::Add(hn::LoadU(df, task.variance + k), spread), base));
-    const V below = hn::Add(widened, hn::Mul(residual, residual));
-    const V w = hn::IfThenElseZero(good, hn::Div(hn::Mul(width, widened), hn::Mul(below, below)));
-    const V jt = hn::Sub(hn::Mul(rx, ny), hn::Mul(ry, nx));
-    const V wx = hn::Mul(w, nx), wy = hn::Mul(w, ny), wt = hn::Mul(w, jt);
-    xx = hn::Add(xx, hn::Mul(wx, nx));
-    xy = hn::Add(xy, hn::Mul(wx, ny));
-    xt = hn::Add(xt, hn::Mul(wx, jt));
-    yy = hn::Add(yy, hn::Mul(wy, ny));
-    yt = hn::Add(yt, hn::Mul(wy, jt));
-    tt = hn::Add(tt, hn::Mul(wt, jt));
-    gx = hn::Add(gx, hn::Mul(wx, residual));
-    gy = hn::Add(gy, hn::Mul(wy, residual));
-    gt = hn::Add(gt, hn::Mul(wt, residual));
-    cost = hn::Add(cost, hn::Mul(hn::Mul(w, residual), residual));
-    partners = hn::Add(partners, hn::IfThenElseZero(good, one));
-    if (!with_leak) continue;
-    // Along the tangent (-ny, nx), which turns by `turn`, a noisy normal leaks weight * variance of information.
-    const V leak = hn::Mul(w, hn::GatherIndex(df, task.normal_variance, index));
-    const V turn = hn::Add(hn::Mul(rx, nx), hn::Mul(ry, ny));
-    const V ux = hn::Mul(leak, ny), uy = hn::Mul(leak, nx), ut = hn::Mul(leak, turn);
-    lxx = hn::Add(lxx, hn::Mul(ux, ny));
-    lxy = hn::Sub(lxy, hn::Mul(ux, nx));
-    lxt = hn::Sub(lxt, hn::Mul(ut, ny));
-    lyy = hn::Add(lyy, hn::Mul(uy, nx));
-    lyt = hn::Add(lyt, hn::Mul(ut, nx));
-    ltt = hn::Add(ltt, hn::Mul(ut, turn));
+    if (task.known) {
+      for (std::size_t j = 0; j < size; ++j) {
+        const std::int32_t noted = task.partners[from + j];
+        block.found[j] = noted < 0 ? 0 : -1;
+        block.index[j] = noted < 0 ? 0 : noted;
+      }
+    } else {
+      FindNearest(df, task.grid, task.points, task.last, size, walks, block);
+      if (task.partners != nullptr) {
+        for (std::size_t j = 0; j < size; ++j) task.partners[from + j] = block.found[j] != 0 ? block.index[j] : -1;
+      }
+    }
+    CopyPartners(task.points, block.index, size, partner);
+    if (with_leak) {
+      for (std::size_t j = 0; j < size; ++j) normal_variance[j] = task.normal_variance[block.index[j]];
+    }
+    for (std::size_t k = 0; k < size; k += hn::Lanes(df)) {
+      if (from + k >= task.count) break;
+      const auto found = hn::And(hn::RebindMask(df, hn::Ne(hn::Load(di, block.found + k), hn::Zero(di))),
+                                 hn::FirstN(df, task.count - from - k));  // the padding is no hit
+      if (hn::AllFalse(df, found)) continue;
+      const V rx = hn::Load(df, rx_of + k), ry = hn::Load(df, ry_of + k);
+      const V mx = hn::LoadU(df, task.nx + from + k), my = hn::LoadU(df, task.ny + from + k);
+      const V ax = hn::Sub(hn::Mul(c, mx), hn::Mul(s, my)), ay = hn::Add(hn::Mul(s, mx), hn::Mul(c, my));
+      V nx, ny, line_x, line_y, line_length, line_variance;
+      hn::LoadInterleaved2(df, partner.normal + 2 * k, nx, ny);
+      hn::LoadInterleaved2(df, partner.line + 2 * k, line_x, line_y);
+      hn::LoadInterleaved2(df, partner.measure + 2 * k, line_length, line_variance);
+      // A lone hit has no line of its own, but it knows where the other's line is as well as the rest. Where the other
+      // has none, both are false.
+      const auto lone =
+          hn::And(hn::Eq(hn::Add(hn::Abs(mx), hn::Abs(my)), zero), hn::Gt(hn::Add(hn::Abs(nx), hn::Abs(ny)), zero));
+      auto good = hn::And(found, hn::Or(lone, hn::Ge(hn::Add(hn::Mul(nx, ax), hn::Mul(ny, ay)), min_cosine)));
+      const V dx = hn::Sub(hn::Load(df, block.qx + k), line_x), dy = hn::Sub(hn::Load(df, block.qy + k), line_y);
+      const V residual = hn::Add(hn::Mul(dx, nx), hn::Mul(dy, ny));
+      const V along = hn::Sub(hn::Mul(dy, nx), hn::Mul(dx, ny));
+      const V own_length = hn::LoadU(df, task.length + from + k);
+      good = hn::And(good, hn::Le(hn::Abs(residual), gate));
+      // In the last steps the line is believed no farther than the hits on it, or those of the other scan, are apart.
+      const V reach = with_leak ? hn::Mul(hn::Set(df, 1.5F), hn::Max(line_length, own_length))
+                                : hn::Add(gate, hn::Mul(half, line_length));
+      good = hn::And(good, hn::Le(hn::Abs(along), reach));
+      if (hn::AllFalse(df, good)) continue;
+      // One over the variance of the residual: the point stands for `length` of surface, the line is seen by beams that
+      // stand for line_length each. Times the kernel (Geman-McClure): far residuals count less.
+      const V spread = hn::Div(hn::Mul(line_variance, line_length), own_length);
+      const V widened = hn::Mul(width, hn::Add(hn::Add(hn::LoadU(df, task.variance + from + k), spread), base));
+      const V below = hn::Add(widened, hn::Mul(residual, residual));
+      const V w = hn::IfThenElseZero(good, hn::Div(hn::Mul(width, widened), hn::Mul(below, below)));
+      const V jt = hn::Sub(hn::Mul(rx, ny), hn::Mul(ry, nx));
+      const V wx = hn::Mul(w, nx), wy = hn::Mul(w, ny), wt = hn::Mul(w, jt);
+      xx = hn::Add(xx, hn::Mul(wx, nx));
+      xy = hn::Add(xy, hn::Mul(wx, ny));
+      xt = hn::Add(xt, hn::Mul(wx, jt));
+      yy = hn::Add(yy, hn::Mul(wy, ny));
+      yt = hn::Add(yt, hn::Mul(wy, jt));
+      tt = hn::Add(tt, hn::Mul(wt, jt));
+      gx = hn::Add(gx, hn::Mul(wx, residual));
+      gy = hn::Add(gy, hn::Mul(wy, residual));
+      gt = hn::Add(gt, hn::Mul(wt, residual));
+      cost = hn::Add(cost, hn::Mul(hn::Mul(w, residual), residual));
+      partners = hn::Add(partners, hn::IfThenElseZero(good, one));
+      if (!with_leak) continue;
+      // Along the tangent (-ny, nx), which turns by `turn`, a noisy normal leaks weight * variance of information.
+      const V leak = hn::Mul(w, hn::Load(df, normal_variance + k));
+      const V turn = hn::Add(hn::Mul(rx, nx), hn::Mul(ry, ny));
+      const V ux = hn::Mul(leak, ny), uy = hn::Mul(leak, nx), ut = hn::Mul(leak, turn);
+      lxx = hn::Add(lxx, hn::Mul(ux, ny));
+      lxy = hn::Sub(lxy, hn::Mul(ux, nx));
+      lxt = hn::Sub(lxt, hn::Mul(ut, ny));
+      lyy = hn::Add(lyy, hn::Mul(uy, nx));
+      lyt = hn::Add(lyt, hn::Mul(ut, nx));
+      ltt = hn::Add(ltt, hn::Mul(ut, turn));
+    }
   }
   const V all[] = {xx, xy, xt, yy, yt, tt, gx, gy, gt, lxx, lxy, lxt, lyy, lyt, ltt, cost, partners};
   for (int k = 0; k < 17; ++k) task.sums[k] = hn::GetLane(hn::SumOfLanes(df, all[k]));
@@ -145,6 +163,7 @@ NormalEquations point_to_line_equations(const SurfaceModel& model, const Surface
                 hits.length.data(),
                 hits.variance.data(),
                 hits.count,
+                hits.padded(),
                 partners != nullptr ? partners->index.data() : nullptr,
                 partners != nullptr && partners->known,
                 static_cast<float>(std::cos(T_model_hits.theta)),

@@ -14,6 +14,7 @@ namespace phasescan {
 namespace {
 
 constexpr std::size_t kMostPoints = 4000;  // of a line in a figure
+constexpr std::size_t kMostLoops = 2000;   // in a figure
 constexpr double kFigureWidth = 900.0;
 
 /// A picture of the map with ways over it, in px of `scale` per metre.
@@ -114,7 +115,7 @@ std::string time_chart(std::span<const float> cpu_ms) {
   return chart.svg(900, 260);
 }
 
-std::string correction_chart(const SlamReport& report) {
+std::string correction_chart(const SlamResult& result) {
   Chart chart;
   chart.title = "How far the loops moved each scan";
   chart.x.label = "scan";
@@ -122,9 +123,8 @@ std::string correction_chart(const SlamReport& report) {
   chart.y.from_zero = true;
   chart.legend = LegendPlace::kNone;
   std::vector<float> moved;
-  for (std::size_t i = 0; i < report.trajectory.size() && i < report.odometry.size(); ++i) {
-    moved.push_back(static_cast<float>(translation_distance(report.trajectory[i], report.odometry[i])));
-  }
+  for (const ScanResult& scan : result.scans)
+    moved.push_back(static_cast<float>(translation_distance(scan.T_map_base, scan.T_odom_base)));
   chart.series.push_back(thinned(moved, ""));
   return chart.svg(900, 260);
 }
@@ -149,6 +149,55 @@ std::string glass_legend(std::span<const GlassPane> panes) {
   return text;
 }
 
+/// The way as it is drawn over a map: poses, and which of them stand on the map.
+struct Way {
+  std::vector<Pose2> poses;
+  std::vector<char> on_map;
+};
+
+/// The map with the way on it and what lies off it.
+void add_map(const SlamResult& result, const Way& way, HtmlReport& html) {
+  MapPicture picture(result.map);
+  for (const GlassPane& pane : result.glass) picture.pane(pane);
+  picture.way(way.poses, way.on_map, false, {std::string(palette::kMuted), 1.2, "5 4"});
+  picture.way(way.poses, way.on_map, true, {std::string(palette::kBlue), 1.5});
+  std::string caption = "White: free, black: occupied, grey: unknown. Blue: the way of the robot.";
+  if (const std::size_t left_out = result.scans_left_out(); left_out > 0) {
+    caption += fmt::format(
+        " Dashed: {} scans that nothing ties to this map; it is not drawn from them, and where they lie is a guess.",
+        left_out);
+  }
+  if (!result.glass.empty()) caption += " " + glass_legend(result.glass);
+  html.figure(picture.str(), caption);
+}
+
+/// The ways before and after loops, with the loops between keyframes that are drawn.
+void add_loops(const SlamResult& result, const Way& way, HtmlReport& html) {
+  MapPicture picture(result.map);
+  picture.way(result.odometry_trajectory(), way.on_map, true, {std::string(palette::kOrange), 1.2});
+  picture.way(way.poses, way.on_map, true, {std::string(palette::kBlue), 1.2});
+  const auto index = [](std::int32_t k) { return static_cast<std::size_t>(k); };
+  const auto is_drawn = [&](const MapEdge& e) {
+    return e.loop && result.drawn[index(e.from)] && result.drawn[index(e.to)];
+  };
+  const auto link = [&](const MapEdge& e, std::string_view color) {
+    picture.link(result.keyframes[index(e.from)].T_map_base, result.keyframes[index(e.to)].T_map_base, color);
+  };
+  const auto holds = [&](const MapEdge& e) { return e.enabled && is_drawn(e); };
+  const auto loops = static_cast<std::size_t>(std::count_if(result.edges.begin(), result.edges.end(), holds));
+  const std::size_t stride = std::max<std::size_t>(1, loops / kMostLoops);
+  std::size_t n = 0;
+  for (const MapEdge& e : result.edges) {
+    if (holds(e) && n++ % stride == 0) link(e, palette::kGreen);
+  }
+  for (const MapEdge& e : result.edges) {
+    if (!e.enabled && is_drawn(e)) link(e, palette::kVermillion);
+  }
+  html.figure(
+      picture.str(),
+      "Orange: the way before loops (laser odometry alone), blue: with them. Green: loops that hold, red: loops that were taken out again.");
+}
+
 }  // namespace
 
 std::string base64(std::string_view bytes) {
@@ -169,58 +218,20 @@ std::string base64(std::string_view bytes) {
 }
 
 std::string format_slam_report(const SlamReport& report) {
+  const SlamResult& result = *report.result;
+  Way way{result.trajectory(), {}};
+  for (const ScanResult& scan : result.scans) way.on_map.push_back(static_cast<char>(scan.on_map));
   HtmlReport html("Map of " + report.log_name, "Trajectory and map that phasescan slam made of the log.");
   html.heading("Map");
-  if (report.map) {
-    MapPicture picture(*report.map);
-    for (const GlassPane& pane : report.glass) picture.pane(pane);
-    picture.way(report.trajectory, report.on_map, false, {std::string(palette::kMuted), 1.2, "5 4"});
-    picture.way(report.trajectory, report.on_map, true, {std::string(palette::kBlue), 1.5});
-    std::string caption = "White: free, black: occupied, grey: unknown. Blue: the way of the robot.";
-    if (const auto left_out = std::count(report.on_map.begin(), report.on_map.end(), 0); left_out > 0) {
-      caption += fmt::format(
-          " Dashed: {} scans that nothing ties to this map; it is not drawn from them, and where they lie is a guess.",
-          left_out);
-    }
-    if (!report.glass.empty()) caption += " " + glass_legend(report.glass);
-    html.figure(picture.str(), caption);
-  }
+  add_map(result, way, html);
   Table facts;
   facts.header = {"what", "value"};
   facts.text_columns = 2;
   for (const auto& [name, value] : report.facts) facts.rows.push_back({name, value});
   html.table(facts);
   html.heading("Loops");
-  if (report.map && report.graph) {
-    MapPicture picture(*report.map);
-    picture.way(report.odometry, report.on_map, true, {std::string(palette::kOrange), 1.2});
-    picture.way(report.trajectory, report.on_map, true, {std::string(palette::kBlue), 1.2});
-    const auto& poses = report.graph->poses();
-    const auto is_drawn = [&](int from, int to) {
-      const auto on_map = [&](int node) {
-        const auto k = static_cast<std::size_t>(node);
-        return k >= report.node_on_map.size() || report.node_on_map[k] != 0;
-      };
-      return on_map(from) && on_map(to);
-    };
-    const auto holds = [&](const PoseEdge& e) { return e.robust && e.enabled && is_drawn(e.from, e.to); };
-    const auto loops =
-        static_cast<std::size_t>(std::count_if(report.graph->edges().begin(), report.graph->edges().end(), holds));
-    const std::size_t stride = std::max<std::size_t>(1, loops / 2000);
-    std::size_t n = 0;
-    for (const PoseEdge& e : report.graph->edges()) {
-      if (holds(e) && n++ % stride == 0)
-        picture.link(poses[static_cast<std::size_t>(e.from)], poses[static_cast<std::size_t>(e.to)], palette::kGreen);
-    }
-    for (const auto& [from, to] : report.undone) {
-      if (is_drawn(from, to))
-        picture.link(poses[static_cast<std::size_t>(from)], poses[static_cast<std::size_t>(to)], palette::kVermillion);
-    }
-    html.figure(
-        picture.str(),
-        "Orange: the way before loops (laser odometry alone), blue: with them. Green: loops that hold, red: loops that were taken out again.");
-  }
-  if (!report.trajectory.empty()) html.figure(correction_chart(report), "Distance between the two ways, scan by scan.");
+  add_loops(result, way, html);
+  if (!way.poses.empty()) html.figure(correction_chart(result), "Distance between the two ways, scan by scan.");
   html.heading("Confidence over time");
   if (!report.overlap.empty())
     html.figure(overlap_chart(report.overlap), "Low values: new ground, people, or a tracker in trouble.");

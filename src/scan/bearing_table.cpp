@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/fast_math.hpp"
-
 namespace phasescan {
 namespace {
 
@@ -24,16 +22,15 @@ int bin_of_angle(double angle, int bins) {
 
 }  // namespace
 
-void fill_bearing_table(const Scan& scan, const SurfacePoints& surface, const SurfaceWorkspace& beams,
-                        double twist_turn_per_beam, double min_empty_run_rad, BearingWorkspace& work,
-                        BearingTable& out) {
+void fill_bearing_table(const Scan& scan, const SurfacePoints& surface, const float* hit_turns,
+                        const SurfaceWorkspace& beams, double twist_turn_per_beam, double min_empty_run_rad,
+                        BearingWorkspace& work, BearingTable& out) {
   const int bins = bin_count(scan, surface.spacing);
   const auto size = static_cast<std::size_t>(bins);
   work.low.assign(size, kNothing);
   work.high.assign(size, 0.0F);
   for (std::size_t i = 0; i < surface.size(); ++i) {
-    const auto bin = std::min(
-        static_cast<std::size_t>(direction_turns(surface[i].x, surface[i].y) * static_cast<float>(bins)), size - 1);
+    const auto bin = std::min(static_cast<std::size_t>(hit_turns[i] * static_cast<float>(bins)), size - 1);
     work.low[bin] = std::min(work.low[bin], surface.range[i]);
     work.high[bin] = std::max(work.high[bin], surface.range[i]);
   }

@@ -24,10 +24,12 @@ struct BearingWorkspace {
   std::vector<unsigned char> missing;
 };
 
+/// @param hit_turns  direction of every hit [turns], see fill_directions
+///
 /// Runs of missing beams narrower than `min_empty_run_rad` are lost beams, not emptiness: they say nothing.
 /// @cost O(beams + bins)
-void fill_bearing_table(const Scan& scan, const SurfacePoints& surface, const SurfaceWorkspace& beams,
-                        double twist_turn_per_beam, double min_empty_run_rad, BearingWorkspace& work,
-                        BearingTable& out);
+void fill_bearing_table(const Scan& scan, const SurfacePoints& surface, const float* hit_turns,
+                        const SurfaceWorkspace& beams, double twist_turn_per_beam, double min_empty_run_rad,
+                        BearingWorkspace& work, BearingTable& out);
 
 }  // namespace phasescan

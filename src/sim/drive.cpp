@@ -5,6 +5,7 @@
 
 #include "sim/ray_caster.hpp"
 #include "sim/furniture.hpp"
+#include "sim/revolution.hpp"
 #include "sim/wheel_odometry.hpp"
 
 namespace phasescan::sim {
@@ -30,8 +31,10 @@ struct Drive::Impl {
   std::uint64_t seed;
   std::vector<Person> people;
   WheelOdometry odometry;
+  RevolutionSource source;
+  std::vector<RevolutionTime> times;
+  std::size_t turned = 0;  ///< revolutions so far, lost ones included
   std::size_t done = 0;
-  std::size_t total = 0;
 
   Impl(const World& world, const LidarOptions& lidar_options, Path way, const DriveOptions& drive_options,
        std::uint64_t drive_seed)
@@ -41,10 +44,11 @@ struct Drive::Impl {
         options(drive_options),
         seed(drive_seed),
         odometry({options.odometry_scale, options.odometry_noise, options.odometry_slip_per_min},
-                 Random::derive(drive_seed, 1)) {
-    validate_options("sensor", lidar);
+                 Random::derive(drive_seed, 1)),
+        source(lidar, Random::derive(drive_seed, 2)) {
+    check_lidar("sensor", lidar);
     validate_options("drive", options);
-    total = static_cast<std::size_t>(std::floor(path.duration() * lidar.rate_hz + 1e-9));
+    times = plan_revolutions(lidar, path.duration(), Random::derive(drive_seed, 3));
     for (int i = 0; i < options.people; ++i) {
       PathOptions walk;
       walk.speed_mps = options.people_speed_mps;
@@ -75,23 +79,29 @@ Drive::Drive(Drive&&) noexcept = default;
 
 std::optional<DriveScan> Drive::next() {
   Impl& run = *impl_;
-  if (run.done >= run.total) return {};
-  const double period = 1.0 / run.lidar.rate_hz, start = static_cast<double>(run.done) * period;
-  Random random(Random::derive(run.seed, 1'000'000 + run.done));
-  const Shape people = run.people_at(start + 0.5 * period);
-  DriveScan out;
-  out.entry.scan = simulate_scan(
-      {&run.caster, &people}, run.lidar, [&](double t) { return run.path.pose_at(start + t); }, start, random);
-  out.T_world_laser = run.path.pose_at(start);
-  out.twist = run.path.twist_at(start);
-  if (run.options.odometry) out.entry.odometry = run.odometry.advance(out.T_world_laser, start);
-  out.entry.laser = "laser";
-  out.entry.line = static_cast<long>(++run.done);
-  return out;
+  while (run.turned < run.times.size()) {
+    const RevolutionTime time = run.times[run.turned];
+    Random random(Random::derive(run.seed, 1'000'000 + run.turned++));
+    DriveScan out;
+    out.T_world_laser = run.path.pose_at(time.start_s);
+    // Wheels turn and the sensor runs whether or not its scan arrives.
+    if (run.options.odometry) out.entry.odometry = run.odometry.advance(out.T_world_laser, time.start_s);
+    const Shape people = run.people_at(time.start_s + 0.5 * time.period_s);
+    out.entry.scan = simulate_scan(
+        {&run.caster, &people}, run.lidar, run.source, time.period_s,
+        [&](double t) { return run.path.pose_at(time.start_s + t); }, time.start_s, random);
+    if (time.lost) continue;
+    out.twist = run.path.twist_at(time.start_s);
+    out.entry.laser = "laser";
+    out.entry.line = static_cast<long>(++run.done);
+    return out;
+  }
+  return {};
 }
 
 std::size_t Drive::size() const {
-  return impl_->total;
+  const auto& times = impl_->times;
+  return static_cast<std::size_t>(std::count_if(times.begin(), times.end(), [](const auto& t) { return !t.lost; }));
 }
 const Path& Drive::path() const {
   return impl_->path;

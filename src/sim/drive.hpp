@@ -52,7 +52,7 @@ class Drive {
   /// The next scan, or nothing at the path's end.
   std::optional<DriveScan> next();
 
-  /// Scans in all.
+  /// Scans in all, those that never arrive left out.
   std::size_t size() const;
   const Path& path() const;
 

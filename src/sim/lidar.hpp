@@ -10,10 +10,12 @@
 #include "core/random.hpp"
 #include "phasescan/scan/scan.hpp"
 #include "sim/ray_caster.hpp"
+#include "sim/sensor_effects.hpp"
 
 namespace phasescan::sim {
 
-/// A lidar. Defaults are an RPLidar A1; configs/sensors/*.yaml hold the others.
+/// A lidar. Defaults are an RPLidar A1; configs/sensors/*.yaml hold the others. A file names the effects beside the
+/// rest.
 struct LidarOptions {
   int beams = 360;
   double fov_deg = 360.0;
@@ -32,6 +34,7 @@ struct LidarOptions {
   double glass_deg = 8.0;
   double rate_hz = 5.5;
   bool motion = true;
+  SensorEffects effects;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -58,14 +61,24 @@ struct LidarOptions {
       OptionInfo{"deg", "glass answers up to this incidence, else the beam goes through", 0, 90});
     v("rate_hz", self.rate_hz, OptionInfo{"Hz", "scans a second", 0.01, 1000});
     v("motion", self.motion, OptionInfo{"", "each beam is cast at its own time; off: all at the scan's stamp"});
+    SensorEffects::visit(self.effects, v);
   }
 
   double angle_increment() const;  ///< [rad], negative for clockwise sensors
   double time_increment() const;   ///< [s] between beams; the whole turn takes 1 / rate_hz
   ScanGeometry geometry() const;
   double sigma(double range) const;  ///< standard deviation of a range [m]
-  LidarOptions noise_free() const;   ///< the same geometry and reach without noise, rounding, losses and mixed pixels
+  /// How far a beam looks past its stated direction, whole revolutions apart, standard deviation [rad].
+  double bearing_sigma() const;
+  LidarOptions noise_free() const;  ///< the same geometry and reach without noise, rounding, losses and effects
 };
+
+/// @throws std::invalid_argument naming the field that is out of bounds.
+void check_lidar(std::string_view section, const LidarOptions& lidar);
+
+/// Share of the samples that a beam of this range is lost by chance: dropout and dropout_shares, no grazing, no
+/// patches.
+double dropout_share(const LidarOptions& lidar, double range);
 
 /// What stands around the sensor: a fixed world and what is not fixed in it.
 struct Surroundings {
@@ -80,13 +93,20 @@ struct Surroundings {
 RayHit cast_beam(const Surroundings& around, const LidarOptions& lidar, const Eigen::Vector2d& origin,
                  const Eigen::Vector2d& direction);
 
-/// One scan at standstill. Missing beams are "no return", as cheap sensors say it. time_increment stays 0.
+class RevolutionSource;
+
+/// One scan of a sensor that has just been switched on, at standstill. Missing beams are "no return", as cheap sensors
+/// say it. time_increment stays 0.
 Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar, const Pose2& T_world_laser, Random& random);
 
-/// One scan in motion: beam i is cast from T_world_laser(i * time_increment) where lidar.motion is on, else from
-/// T_world_laser(0). `around` holds throughout.
+/// One scan in motion, of a sensor that has just been switched on: beam i is cast from T_world_laser(i *
+/// time_increment) where lidar.motion is on, else from T_world_laser(0). `around` holds throughout.
 /// @param stamp_s  time of the first beam [s]
 Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar,
+                   const std::function<Pose2(double)>& T_world_laser, double stamp_s, Random& random);
+
+/// The same for the next revolution of a sensor that runs. @param period_s  how long it takes
+Scan simulate_scan(const Surroundings& around, const LidarOptions& lidar, RevolutionSource& source, double period_s,
                    const std::function<Pose2(double)>& T_world_laser, double stamp_s, Random& random);
 
 }  // namespace phasescan::sim

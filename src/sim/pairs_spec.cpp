@@ -59,17 +59,47 @@ PairsSpec read_pairs_spec(const std::string& path_or_name) {
   return parse_pairs_spec(text, name);
 }
 
-LidarOptions parse_lidar(const std::string& text, const std::string& name) {
+namespace {
+
+LidarOptions parse_lidar_from(const std::string& text, const std::string& name, int depth) {
+  constexpr int kDepth = 8;
   const YAML::Node node = load_yaml(text, name);
   LidarOptions lidar;
   Fields fields(node, name);
+  std::string like;
+  fields.take("like", like);
+  if (!like.empty()) {
+    if (depth >= kDepth) fields.fail_at("like", "like: files that name each other, or more than 8 of them");
+    std::string base_name;
+    const std::string base = find_config(like, "sensors", base_name);
+    lidar = parse_lidar_from(base, base_name, depth + 1);
+  }
   LidarOptions::visit(lidar, [&](std::string_view key, auto& value, const OptionInfo& info) {
     fields.take_option(std::string(key).c_str(), value, info);
   });
   fields.finish();
-  if (lidar.range_max_m <= lidar.range_min_m)
-    fields.fail_at(node["range_max_m"] ? "range_max_m" : "range_min_m", "range_max_m: must be above range_min_m");
+  const auto below = [&](const char* upper, double high, const char* lower, double low, bool equal) {
+    if (high < low || (high == low && !equal))
+      fields.fail_at(node[upper] ? upper : lower,
+                     std::string(upper) + ": must " + (equal ? "not be below " : "be above ") + lower);
+  };
+  const SensorEffects& e = lidar.effects;
+  below("range_max_m", lidar.range_max_m, "range_min_m", lidar.range_min_m, false);
+  below("lost_burst_max", e.lost_burst_max, "lost_burst_min", e.lost_burst_min, true);
+  below("lost_sector_max_deg", e.lost_sector_max_deg, "lost_sector_min_deg", e.lost_sector_min_deg, true);
+  below("wrong_start_max_deg", e.wrong_start_max_deg, "wrong_start_min_deg", e.wrong_start_min_deg, true);
+  try {
+    check_lidar("sensor", lidar);
+  } catch (const std::invalid_argument& error) {
+    fields.fail(node, error.what());
+  }
   return lidar;
+}
+
+}  // namespace
+
+LidarOptions parse_lidar(const std::string& text, const std::string& name) {
+  return parse_lidar_from(text, name, 0);
 }
 
 LidarOptions read_lidar(const std::string& path_or_name) {

@@ -18,7 +18,8 @@ PairsSpec parse_pairs_spec(const std::string& text, const std::string& name);
 /// @throws InputError, SystemError (not readable)
 PairsSpec read_pairs_spec(const std::string& path_or_name);
 
-/// Reads a sensor from YAML text. @throws InputError as above.
+/// Reads a sensor from YAML text: the fields of LidarOptions; `like: NAME` starts from another sensor instead of the
+/// defaults. @throws InputError as above.
 LidarOptions parse_lidar(const std::string& text, const std::string& name);
 
 /// The sensor in a file, or the built-in one of that name where no such file is there. @throws InputError, SystemError

@@ -180,7 +180,7 @@ void Path::follow(std::span<const Vector2d> points, const PathOptions& options) 
   const double top_turn = deg_to_rad(options.turn_rate_dps);
   const SpeedProfile profile(points, options);
   const double end = profile.length();
-  double s = 0.0;
+  double s = 0.0, since_stop = 0.0;
   // Ends in any case: a robot that has not arrived after this many steps is going round its goal.
   const double generous =
       60.0 + 10.0 * end / options.speed_mps + 10.0 * static_cast<double>(points.size()) * kPi / top_turn;
@@ -197,6 +197,12 @@ void Path::follow(std::span<const Vector2d> points, const PathOptions& options) 
     const double turn_stop = std::sqrt(2.0 * deg_to_rad(options.turn_acceleration_dps2) * std::abs(error));
     const double turn = std::clamp(kGain * error, -std::min(top_turn, turn_stop), std::min(top_turn, turn_stop));
     step(std::min({profile.speed(s - kAhead_m), profile.speed(s), stop}) * facing * facing, turn, options);
+    since_stop += speed_ * kStep_s;
+    if (options.stop_every_m > 0.0 && since_stop >= options.stop_every_m) {
+      while (speed_ != 0.0 || turn_rate_ != 0.0) step(0.0, 0.0, options);
+      command(0.0, 0.0, options.stop_s, options);
+      since_stop = 0.0;
+    }
   }
   while (speed_ != 0.0 || turn_rate_ != 0.0) step(0.0, 0.0, options);
 }

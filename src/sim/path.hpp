@@ -40,6 +40,8 @@ struct PathOptions {
   double duration_s = 0.0;
   double jitter_m = 0.0;
   double jitter_deg = 0.0;
+  double stop_every_m = 0.0;
+  double stop_s = 3.0;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -53,6 +55,9 @@ struct PathOptions {
       OptionInfo{"s", "0: one round (tour), else 60 s; longer tours go round again by another way", 0, 2e5});
     v("jitter_m", self.jitter_m, OptionInfo{"m", "vibration, standard deviation a axis", 0, 1});
     v("jitter_deg", self.jitter_deg, OptionInfo{"deg", "vibration of the heading, standard deviation", 0, 90});
+    v("stop_every_m", self.stop_every_m,
+      OptionInfo{"m", "stops after each such piece of a tour or polyline; 0: never", 0, 1e4});
+    v("stop_s", self.stop_s, OptionInfo{"s", "and stands so long", 0, 3600});
   }
 };
 

@@ -1,5 +1,7 @@
 #include "sim/truth.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -79,18 +81,42 @@ Visible look(const Surroundings& own, const Pose2& pose, const Surroundings& oth
   return out;
 }
 
-/// Probability that a beam on matt surface gives a range at all.
-double answer_probability(const LidarOptions& lidar, double cos_incidence) {
+/// Share of the beams on matt surface that give a range, averaged over good and bad surface.
+double answer_probability(const LidarOptions& lidar, double range, double cos_incidence) {
   const double incidence = std::acos(std::clamp(cos_incidence, 0.0, 1.0)), grazing = deg_to_rad(lidar.grazing_deg);
   const double missed = incidence > grazing ? (incidence - grazing) / (0.5 * kPi - grazing) : 0.0;
-  return (1.0 - lidar.dropout) * (1.0 - missed);
+  // Samples that are not in step with the turn leave beams empty where there are fewer of them than beams.
+  const double beams_a_turn = kTwoPi / std::abs(lidar.angle_increment());
+  const double sampled = lidar.effects.sample_rate_hz > 0.0
+                             ? std::min(1.0, lidar.effects.sample_rate_hz / lidar.rate_hz / beams_a_turn)
+                             : 1.0;
+  constexpr double kMeanLossOfBadPatch = 0.5;
+  return (1.0 - dropout_share(lidar, range)) * (1.0 - kMeanLossOfBadPatch * lidar.effects.patch_share) * sampled *
+         (1.0 - missed);
 }
 
 /// Variance times length of surface a beam stands for [m^3]: the inverse of the information density along the surface.
+/// A range is off along the beam, a direction across it; what counts is how far the hit is off along the normal.
 double variance_length(const LidarOptions& lidar, double range, double cos_incidence) {
-  const double sigma = lidar.sigma(range);
-  return range * std::abs(lidar.angle_increment()) * sigma * sigma * cos_incidence /
-         std::max(1e-6, answer_probability(lidar, cos_incidence));
+  const double sigma = lidar.sigma(range), bearing_sigma = lidar.bearing_sigma();
+  const double answers = std::max(1e-6, answer_probability(lidar, range, cos_incidence));
+  const double length = range * std::abs(lidar.angle_increment());
+  if (bearing_sigma <= 0.0) return length * sigma * sigma * cos_incidence / answers;
+  const double cosine = std::max(1e-3, cos_incidence), across = range * bearing_sigma;
+  return length / cosine * (sigma * sigma * cosine * cosine + across * across * (1.0 - cosine * cosine)) / answers;
+}
+
+/// The information that is left where each scan as a whole is turned by an angle of this variance [rad^2]: the scan's
+/// turn is an error of theta, the reference's one of the whole pose about the reference's sensor. By the matrix
+/// inversion lemma, so that directions without information stay without.
+Eigen::Matrix3d with_turned_scans(const Eigen::Matrix3d& information, const Pose2& T_ref_scan, double variance) {
+  if (variance <= 0.0) return information;
+  Eigen::Matrix<double, 3, 2> gradients;
+  gradients.col(0) = Eigen::Vector3d(0.0, 0.0, 1.0);
+  gradients.col(1) = Eigen::Vector3d(-T_ref_scan.y, T_ref_scan.x, 1.0);
+  const Eigen::Matrix<double, 3, 2> weighted = information * gradients;
+  const Eigen::Matrix2d inner = Eigen::Matrix2d::Identity() / variance + gradients.transpose() * weighted;
+  return information - weighted * inner.inverse() * weighted.transpose();
 }
 
 }  // namespace
@@ -123,7 +149,8 @@ Eigen::Matrix3d pair_information(const Surroundings& around_ref, const Surroundi
       information += weight * gradient * gradient.transpose();
     }
   }
-  return information;
+  const double turn_sigma = deg_to_rad(lidar.effects.revolution_turn_deg);
+  return with_turned_scans(information, T_world_ref.inverse() * T_world_scan, turn_sigma * turn_sigma);
 }
 
 }  // namespace phasescan::sim

@@ -23,8 +23,10 @@ Overlap pair_overlap(const Surroundings& around_ref, const Surroundings& around_
 ///
 /// A stretch of surface gives one equation, its place along its normal. Each scan knows it with a density of
 /// information of 1 / (range * step * sigma(range)^2 * cos(incidence)) per metre; for the pose the two act in series,
-/// as the surface itself is unknown. Beams lost by chance or at grazing incidence are accounted for, mixed pixels are
-/// not. J^-1 is the Cramer-Rao bound of the match. @cost two noise-free scans and as many rays again.
+/// as the surface itself is unknown. A beam that looks past its stated direction is off by range * sin(incidence) along
+/// the normal; whole revolutions that turn add to the pose's covariance. Beams lost by chance or at grazing incidence
+/// are accounted for, mixed pixels, lost sectors, wrong start angles and tilt are not. J^-1 is the Cramer-Rao bound of
+/// the match. @cost two noise-free scans and as many rays again.
 Eigen::Matrix3d pair_information(const Surroundings& around_ref, const Surroundings& around_scan,
                                  const LidarOptions& lidar, const Pose2& T_world_ref, const Pose2& T_world_scan);
 

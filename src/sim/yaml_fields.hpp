@@ -81,9 +81,10 @@ class Fields {
       }
     } catch (const YAML::Exception&) {
       fail(field, std::string(key) + ": expected " +
-                      (std::is_same_v<T, bool>   ? "true or false"
-                       : std::is_arithmetic_v<T> ? "a number"
-                                                 : "a name"));
+                      (std::is_same_v<T, bool>                                 ? "true or false"
+                       : std::is_arithmetic_v<T>                               ? "a number"
+                       : std::is_class_v<T> && !std::is_same_v<T, std::string> ? "a list of numbers"
+                                                                               : "a name"));
     } catch (const std::invalid_argument& error) {
       fail(field, std::string(key) + ": " + error.what());
     }

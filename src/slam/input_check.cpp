@@ -7,14 +7,14 @@
 namespace phasescan {
 namespace {
 
-constexpr double kReorderedS = 1.0;  // stamps that go back by less are loggers' disorder, by more a broken clock
-constexpr double kGapS = 10.0;
-constexpr double kFewShare = 0.2;  // of the beams that have a range
-constexpr double kLeapM = 2.0, kLeapRad = 2.0, kFastestMps = 3.0,
-                 kTurnPauseS = 1.0;  // what a robot may do between two scans
+constexpr double kReorderedS = 1.0;  // [s] stamps that go back by less are loggers' disorder, by more a broken clock
+constexpr double kGapS = 10.0;       // [s] without a scan
+constexpr double kFewShare = 0.2;    // of the beams that have a range
+// What a robot may do between two scans: way and turn at once, and its speed over a pause. Beyond it, odometry jumped.
+constexpr double kLeapM = 2.0, kLeapRad = 2.0, kFastestMps = 3.0, kTurnPauseS = 1.0;
 
-std::size_t fingerprint_of(const Scan& scan) {
-  std::size_t h = 1469598103934665603ULL;
+std::uint64_t fingerprint_of(const Scan& scan) {
+  std::uint64_t h = 1469598103934665603ULL;  // FNV-1a
   for (std::size_t i = 0; i < scan.size(); ++i) {
     std::uint32_t bits = 0;
     if (scan.is_hit(i)) std::memcpy(&bits, &scan.ranges[i], sizeof bits);
@@ -28,77 +28,82 @@ std::string milliseconds(Stamp from, Stamp to) {
   return std::to_string(std::llround(s * 1000.0)) + " ms";
 }
 
-}  // namespace
-
-void InputCheck::note(const std::string& kind, bool damage, const std::string& text) {
-  InputOddity& o = oddities_[kind];
-  if (o.count++ == 0) {
-    o.damage = damage;
-    o.first = text;
+void check_stamps(const InputCheckState::Laser& last, const Scan& scan, bool repeated, std::vector<OddityNote>& notes) {
+  const double step = stamp_to_seconds(scan.stamp - last.stamp);
+  if (repeated) notes.push_back({"repeated scan", true, "the same scan as the one before; it counts once"});
+  if (step < -kReorderedS) {
+    notes.push_back({"time going backwards", true,
+                     "time goes back by " + milliseconds(last.stamp, scan.stamp) + "; the order of the file is kept"});
+  }
+  if (step < 0.0 && step >= -kReorderedS) {
+    notes.push_back(
+        {"stamps out of order", false,
+         "stamps out of order by " + milliseconds(last.stamp, scan.stamp) + "; the order of the file is kept"});
+  }
+  if (step == 0.0 && !repeated) {
+    notes.push_back(
+        {"same stamp", false, "another scan with the stamp of the one before; nothing is read from their times"});
+  }
+  if (step > kGapS) notes.push_back({"gap", false, "no scan for " + milliseconds(last.stamp, scan.stamp)});
+  if (scan.size() != last.beams) {
+    notes.push_back(
+        {"beam count changes", false, std::to_string(scan.size()) + " beams after " + std::to_string(last.beams)});
   }
 }
 
-bool InputCheck::add(const Scan& scan, const std::string& laser, const std::optional<Pose2>& odometry,
-                     const std::string& where) {
-  const auto known = lasers_.find(laser);
-  const std::size_t fingerprint = fingerprint_of(scan);
-  bool repeated = false;
-  if (known == lasers_.end()) {
-    if (!lasers_.empty()) note("several lasers", false, where + ": a second laser, " + laser + "; both are used");
-    lasers_[laser] = {scan.stamp, scan.size(), fingerprint};
-  } else {
-    Laser& last = known->second;
-    repeated = scan.stamp == last.stamp && scan.size() == last.beams && fingerprint == last.fingerprint &&
-               scan.hit_count() > 0;
-    const double step = stamp_to_seconds(scan.stamp - last.stamp);
-    if (repeated) note("repeated scan", true, where + ": the same scan as the one before; it counts once");
-    if (step < -kReorderedS)
-      note("time going backwards", true,
-           where + ": time goes back by " + milliseconds(last.stamp, scan.stamp) + "; the order of the file is kept");
-    if (step < 0.0 && step >= -kReorderedS)
-      note("stamps out of order", false,
-           where + ": stamps out of order by " + milliseconds(last.stamp, scan.stamp) +
-               "; the order of the file is kept");
-    if (step == 0.0 && !repeated)
-      note("same stamp", false,
-           where + ": another scan with the stamp of the one before; nothing is read from their times");
-    if (step > kGapS) note("gap", false, where + ": no scan for " + milliseconds(last.stamp, scan.stamp));
-    if (scan.size() != last.beams)
-      note("beam count changes", false,
-           where + ": " + std::to_string(scan.size()) + " beams after " + std::to_string(last.beams));
-    last = {scan.stamp, scan.size(), fingerprint};
-  }
+void check_returns(const Scan& scan, std::vector<OddityNote>& notes) {
   const std::size_t hits = scan.hit_count();
   if (hits == 0) {
-    note("scan without a return", false, where + ": not one beam has a range");
+    notes.push_back({"scan without a return", false, "not one beam has a range"});
   } else if (static_cast<double>(hits) < kFewShare * static_cast<double>(scan.size())) {
-    note("few returns", false,
-         where + ": only " + std::to_string(hits) + " of " + std::to_string(scan.size()) +
-             " beams have a range; what is made of such scans is less certain");
+    notes.push_back({"few returns", false,
+                     "only " + std::to_string(hits) + " of " + std::to_string(scan.size()) +
+                         " beams have a range; what is made of such scans is less certain"});
   }
-  if (odometry && odometry_) {
-    const Pose2 step = odometry_->inverse() * *odometry;
-    const double pause_s = std::max(0.0, stamp_to_seconds(scan.stamp - odometry_stamp_));
-    if (std::hypot(step.x, step.y) > kLeapM + kFastestMps * pause_s ||
-        (std::abs(step.theta) > kLeapRad && pause_s < kTurnPauseS)) {
-      note("odometry jump", true,
-           where + ": odometry jumps by " + std::to_string(std::llround(100.0 * std::hypot(step.x, step.y))) +
-               " cm and " + std::to_string(std::llround(rad_to_deg(std::abs(step.theta)))) +
-               " deg; it is not followed");
-    }
-  }
-  if (odometry) {
-    odometry_ = odometry;
-    odometry_stamp_ = scan.stamp;
-  }
-  return !repeated;
 }
 
-bool InputCheck::damaged() const {
-  for (const auto& [kind, oddity] : oddities_) {
-    if (oddity.damage) return true;
+void check_odometry(const InputCheckState& state, const Pose2& odometry, Stamp stamp, std::vector<OddityNote>& notes) {
+  if (!state.odometry) return;
+  const Pose2 step = state.odometry->inverse() * odometry;
+  const double pause_s = std::max(0.0, stamp_to_seconds(stamp - state.odometry_stamp));
+  const double way = std::hypot(step.x, step.y), turn = std::abs(step.theta);
+  if (way <= kLeapM + kFastestMps * pause_s && (turn <= kLeapRad || pause_s >= kTurnPauseS)) return;
+  notes.push_back({"odometry jump", true,
+                   "odometry jumps by " + std::to_string(std::llround(100.0 * way)) + " cm and " +
+                       std::to_string(std::llround(rad_to_deg(turn))) + " deg; it is not followed"});
+}
+
+}  // namespace
+
+InputVerdict check_input(InputCheckState& state, const RangeMeasurement& measurement, ScanId id) {
+  const Scan& scan = measurement.scan;
+  InputVerdict verdict;
+  const std::uint64_t fingerprint = fingerprint_of(scan);
+  const auto known = state.lasers.find(measurement.laser);
+  if (known != state.lasers.end()) {
+    const InputCheckState::Laser& last = known->second;
+    verdict.repeated = scan.stamp == last.stamp && scan.size() == last.beams && fingerprint == last.fingerprint &&
+                       scan.hit_count() > 0;
+    check_stamps(last, scan, verdict.repeated, verdict.notes);
+  } else if (!state.lasers.empty()) {
+    verdict.notes.push_back({"several lasers", false, "a second laser, " + measurement.laser + "; both are used"});
   }
-  return false;
+  state.lasers[measurement.laser] = {scan.stamp, scan.size(), fingerprint};
+  check_returns(scan, verdict.notes);
+  if (measurement.T_odom_base) {
+    check_odometry(state, *measurement.T_odom_base, scan.stamp, verdict.notes);
+    state.odometry = measurement.T_odom_base;
+    state.odometry_stamp = scan.stamp;
+  }
+  for (const OddityNote& note : verdict.notes) {
+    InputOddity& oddity = state.oddities[note.kind];
+    if (oddity.count++ == 0) {
+      oddity.damage = note.damage;
+      oddity.first = id;
+      oddity.what = note.what;
+    }
+  }
+  return verdict;
 }
 
 }  // namespace phasescan

@@ -21,9 +21,10 @@ struct PlaceHit {
 std::int32_t turned_likeness(const PlaceDescriptor& a, const PlaceDescriptor& b);
 
 /// Brute force over 324 bytes a place: 160 numbers that do not turn are read in one sweep of inner products, the
-/// turning ones only of the places that are then nearest.
+/// turning ones only of the places that are then nearest. A plain value: what `visit` names is all there is.
 class PlaceIndex {
  public:
+  static constexpr int kVersion = 1;
   /// @return the number of the place, counting from 0
   std::uint32_t add(const PlaceDescriptor& descriptor);
   /// The `count` nearest of the first `limit` places (all where limit is 0) by the numbers that do not turn, nearest
@@ -35,6 +36,13 @@ class PlaceIndex {
   /// @cost  3 ns a place and 0.15 us a place compared over all turns
   std::vector<PlaceHit> most_alike(const PlaceDescriptor& query, std::size_t count, std::size_t limit = 0) const;
   std::size_t size() const { return squares_.size(); }
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("numbers", self.numbers_);
+    v("turning", self.turning_);
+    v("squares", self.squares_);
+  }
 
  private:
   /// The `count` nearest of the first n places, in no order.

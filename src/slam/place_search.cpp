@@ -31,13 +31,14 @@ double most_sigma(const Eigen::Matrix3d& covariance) {
 
 Scan view_at(std::span<const Keyframe> keyframes, std::span<const Pose2> poses, int node, int back) {
   std::vector<float> nearest(kBeams, 0.0F);
+  MapPoints points;
   const Pose2 T_node_world = poses[static_cast<std::size_t>(node)].inverse();
   for (int k = node; k >= std::max(0, node - back); --k) {
     const Keyframe& keyframe = keyframes[static_cast<std::size_t>(k)];
     const Pose2 T_node_k = T_node_world * poses[static_cast<std::size_t>(k)];
     const auto c = static_cast<float>(std::cos(T_node_k.theta)), s = static_cast<float>(std::sin(T_node_k.theta));
     const auto tx = static_cast<float>(T_node_k.x), ty = static_cast<float>(T_node_k.y);
-    const MapPoints& points = *keyframe.points;
+    keyframe.points->unpack(points);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const float x = c * points.x[i] - s * points.y[i] + tx, y = s * points.x[i] + c * points.y[i] + ty;
       const auto degrees = static_cast<int>(std::lround(rad_to_deg(std::atan2(y, x))));
@@ -56,12 +57,10 @@ Scan view_at(std::span<const Keyframe> keyframes, std::span<const Pose2> poses, 
 
 struct PlaceSearch::Impl {
   LoopOptions options;
+  PlaceSearchState state;
   PlaceDescriber describer;
-  PlaceIndex index;
   ScanMatcher matcher;
   ScanPoints points;
-  std::vector<int> nodes;  // of the places in the index
-  std::size_t matched = 0;
 
   PlaceDescriptor describe(const Scan& view) {
     scan_to_points(view, points);
@@ -74,13 +73,13 @@ struct PlaceSearch::Impl {
     std::vector<PlaceMatch> found;
     if (limit == 0) return found;
     std::vector<int> visits;
-    for (const PlaceHit& hit : index.most_alike(descriptor, kLooked, limit)) {
-      const int other = nodes[hit.place];
+    for (const PlaceHit& hit : state.index.most_alike(descriptor, kLooked, limit)) {
+      const int other = state.nodes[hit.place];
       if (visits.size() >= static_cast<std::size_t>(options.place_candidates)) break;
       if (hit.distance > kMostDistance) continue;
       if (std::any_of(visits.begin(), visits.end(), [&](int v) { return std::abs(v - other) < kVisitViews; })) continue;
       visits.push_back(other);
-      ++matched;
+      ++state.matched;
       const MatchResult match = matcher.match(view_at(keyframes, poses, other, kViewNodes), view);
       if (is_same_place(match) && most_sigma(match.covariance) < kMostSigmaM)
         found.push_back({other, match.T_ref_scan});
@@ -89,14 +88,15 @@ struct PlaceSearch::Impl {
   }
 };
 
-PlaceSearch::PlaceSearch(const LoopOptions& options) : impl_(std::make_unique<Impl>()) {
+PlaceSearch::PlaceSearch(const LoopOptions& options, PlaceSearchState state) : impl_(std::make_unique<Impl>()) {
   impl_->options = options;
+  impl_->state = std::move(state);
 }
 PlaceSearch::~PlaceSearch() = default;
 PlaceSearch::PlaceSearch(PlaceSearch&&) noexcept = default;
 
-std::size_t PlaceSearch::matched() const {
-  return impl_->matched;
+const PlaceSearchState& PlaceSearch::state() const {
+  return impl_->state;
 }
 
 std::vector<PlaceMatch> PlaceSearch::add(std::span<const Keyframe> keyframes, std::span<const Pose2> poses,
@@ -106,18 +106,18 @@ std::vector<PlaceMatch> PlaceSearch::add(std::span<const Keyframe> keyframes, st
   if (node < 0 || node % kEvery != 0) return {};
   const Scan view = view_at(keyframes, poses, node, kViewNodes);
   const PlaceDescriptor descriptor = m.describe(view);
-  m.index.add(descriptor);
-  m.nodes.push_back(node);
+  m.state.index.add(descriptor);
+  m.state.nodes.push_back(node);
   if (!search) return {};
-  const auto old = std::upper_bound(m.nodes.begin(), m.nodes.end(), node - m.options.min_nodes_apart);
-  return m.search(view, descriptor, static_cast<std::size_t>(old - m.nodes.begin()), keyframes, poses);
+  const auto old = std::upper_bound(m.state.nodes.begin(), m.state.nodes.end(), node - m.options.min_nodes_apart);
+  return m.search(view, descriptor, static_cast<std::size_t>(old - m.state.nodes.begin()), keyframes, poses);
 }
 
 std::vector<PlaceMatch> PlaceSearch::find(const Keyframe& query, std::span<const Keyframe> keyframes,
                                           std::span<const Pose2> poses, std::size_t nodes) {
   const Pose2 origin;
   const Scan view = view_at({&query, 1}, {&origin, 1}, 0, 0);
-  const auto& known = impl_->nodes;
+  const auto& known = impl_->state.nodes;
   const auto limit = std::lower_bound(known.begin(), known.end(), static_cast<int>(nodes)) - known.begin();
   return impl_->search(view, impl_->describe(view), static_cast<std::size_t>(limit), keyframes, poses);
 }

@@ -8,8 +8,9 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/scan/scan.hpp"
-#include "slam/keyframe.hpp"
 #include "phasescan/slam/options.hpp"
+#include "slam/keyframe.hpp"
+#include "slam/place_index.hpp"
 
 namespace phasescan {
 
@@ -25,11 +26,25 @@ struct PlaceMatch {
   Pose2 T_node_query;
 };
 
+struct PlaceSearchState {
+  static constexpr int kVersion = 1;
+  PlaceIndex index;         ///< descriptors of views; they hold the map as it stood when each was taken in
+  std::vector<int> nodes;   ///< of the places in the index
+  std::size_t matched = 0;  ///< candidates that the matcher was asked about
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("index", self.index);
+    v("nodes", self.nodes);
+    v("matched", self.matched);
+  }
+};
+
 /// The views of earlier keyframes by their descriptors, and a matcher without a guess to check what they suggest.
 /// One object per thread.
 class PlaceSearch {
  public:
-  explicit PlaceSearch(const LoopOptions& options);
+  explicit PlaceSearch(const LoopOptions& options, PlaceSearchState state = {});
   ~PlaceSearch();
   PlaceSearch(PlaceSearch&&) noexcept;
 
@@ -44,7 +59,7 @@ class PlaceSearch {
   std::vector<PlaceMatch> find(const Keyframe& query, std::span<const Keyframe> keyframes, std::span<const Pose2> poses,
                                std::size_t nodes);
 
-  std::size_t matched() const;  ///< candidates that the matcher was asked about
+  const PlaceSearchState& state() const;
 
  private:
   struct Impl;

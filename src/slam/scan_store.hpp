@@ -1,7 +1,9 @@
-/// Scans kept small: 16 bits a range, what is the same in all scans of a laser kept once.
+/// Scans kept small: what is the same in all scans of a laser kept once, ranges as steps from beam to beam.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "phasescan/core/pose2.hpp"
@@ -9,33 +11,71 @@
 
 namespace phasescan {
 
-/// Ranges to 2 mm, up to 130 m (hits beyond are kept as out of range), and the reason of every missing beam;
-/// intensities are not kept.
+/// What scans of one laser have in common.
+struct ScanKind {
+  ScanGeometry geometry;
+  double time_increment = 0.0;
+  std::vector<float> angles;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("angle_min", self.geometry.angle_min);
+    v("angle_increment", self.geometry.angle_increment);
+    v("range_min", self.geometry.range_min);
+    v("range_max", self.geometry.range_max);
+    v("time_increment", self.time_increment);
+    v("angles", self.angles);
+  }
+};
+
+/// One scan: ranges to 2 mm, up to 130 m (hits beyond are kept as out of range), and the reason of every missing beam;
+/// intensities are not kept. Immutable, so that it is shared between threads.
+class StoredScan {
+ public:
+  StoredScan(const Scan& scan, const Pose2& T_base_laser, std::shared_ptr<const ScanKind> kind);
+  Scan scan() const;
+  const Pose2& T_base_laser() const { return T_base_laser_; }  ///< of this scan: a mounting may jitter or pan
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("stamp", self.stamp_);
+    v("T_base_laser", self.T_base_laser_);
+    v("kind", self.kind_);
+    v("beams", self.beams_);
+    v("codes", self.codes_);
+  }
+
+ private:
+  Stamp stamp_ = 0;
+  Pose2 T_base_laser_;
+  std::shared_ptr<const ScanKind> kind_;
+  std::uint32_t beams_ = 0;
+  std::vector<std::uint8_t> codes_;  // of each beam the step from the one before, in one byte to three
+};
+
+/// The scans of a run, each with a number.
 class ScanStore {
  public:
+  static constexpr int kVersion = 1;
   /// @return the number to ask for it with
   std::size_t add(const Scan& scan, const Pose2& T_base_laser);
   /// @throws std::out_of_range
-  Scan scan(std::size_t index) const;
-  const Pose2& T_base_laser(std::size_t index) const { return entries_.at(index).T_base_laser; }
+  Scan scan(std::size_t index) const { return entries_.at(index)->scan(); }
+  const Pose2& T_base_laser(std::size_t index) const { return entries_.at(index)->T_base_laser(); }
+  std::shared_ptr<const StoredScan> stored(std::size_t index) const { return entries_.at(index); }
   std::size_t size() const { return entries_.size(); }
   /// Sets of angles and limits that are kept: one a laser as a rule.
   std::size_t kinds() const { return kinds_.size(); }
 
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("kinds", self.kinds_);
+    v("scans", self.entries_);
+  }
+
  private:
-  struct Kind {
-    ScanGeometry geometry;
-    double time_increment = 0.0;
-    std::vector<float> angles;
-  };
-  struct Entry {
-    Stamp stamp = 0;
-    std::uint32_t kind = 0;
-    Pose2 T_base_laser;  // of this scan: a mounting may jitter or pan
-    std::vector<std::uint16_t> ranges;
-  };
-  std::vector<Kind> kinds_;
-  std::vector<Entry> entries_;
+  std::vector<std::shared_ptr<const ScanKind>> kinds_;
+  std::vector<std::shared_ptr<const StoredScan>> entries_;
 };
 
 }  // namespace phasescan

@@ -2,235 +2,309 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
-#include <span>
+#include <stdexcept>
+#include <utility>
 
-#include "core/motion.hpp"
-#include "slam/polish.hpp"
+#include "odometry/information.hpp"
+#include "odometry/tracker.hpp"
+#include "slam/finished_map.hpp"
+#include "slam/map_view.hpp"
+#include "slam/slam_state.hpp"
+#include "slam/trajectory_refinement.hpp"
 
 namespace phasescan {
+namespace {
 
-/// The backend's thread, if there is one: at most one batch is in work.
-struct Slam::Worker {
-  std::future<void> running;
-  /// Until the batch is done; what went wrong in it is thrown by get().
-  void wait() const {
-    if (running.valid()) running.wait();
+constexpr double kMostAheadS = 1.0;  // [s] that predict() looks from the last scan
+
+void check(const RangeMeasurement& measurement) {
+  if (!measurement.T_base_laser.is_finite()) throw std::invalid_argument("measurement.T_base_laser: not finite");
+  if (measurement.T_odom_base && !measurement.T_odom_base->is_finite())
+    throw std::invalid_argument("measurement.T_odom_base: not finite");
+}
+
+const SlamOptions& validated(const SlamOptions& options) {
+  options.validate();
+  return options;
+}
+
+Keyframe to_keyframe(const TrackedKeyframe& tracked, ScanId scan) {
+  Keyframe keyframe;
+  keyframe.points = std::make_shared<const KeyframePoints>(*tracked.points);
+  keyframe.T_odom_base = tracked.T_odom_base;
+  keyframe.T_mid_stamp = tracked.T_mid_stamp;
+  keyframe.information = tracked.information;
+  keyframe.new_segment = tracked.new_segment;
+  keyframe.twist = tracked.twist;
+  keyframe.laser = tracked.laser;
+  keyframe.T_base_laser = tracked.T_base_laser;
+  keyframe.scan = scan;
+  const MapPoints& points = *tracked.points;
+  for (std::size_t i = 0; i < points.size(); ++i) keyframe.centre += Eigen::Vector2d(points.x[i], points.y[i]);
+  if (points.size() > 0) keyframe.centre /= static_cast<double>(points.size());
+  return keyframe;
+}
+
+}  // namespace
+
+struct Slam::Impl {
+  Impl(const SlamOptions& o, Schedule schedule, Executor* executor)
+      : options(validated(o)), tracker(o.odometry), runner(o, {}, schedule, executor) {}
+  Impl(const SlamState::Data& s, const SlamOptions& o, Schedule schedule, Executor* executor)
+      : options(validated(o)), tracker(o.odometry, s.odometry), runner(o, s.backend, schedule, executor), state(s) {
+    runner.set_pending(s.pending);
   }
-  void get() {
-    if (running.valid()) running.get();
-  }
+
+  ScanUpdate repeat(const RangeMeasurement& measurement);
+  void take_keyframes(const TrackerStep& step, const RangeMeasurement& measurement);
+  void take_keyframe(const TrackedKeyframe& tracked, const KeptScan& scan);
+  void take_first(const TrackedKeyframe& tracked);
+  const KeptScan& keep(const RangeMeasurement& measurement);
+  void record(const TrackerStep& step, const RangeMeasurement& measurement, const ScanUpdate& update);
+  void hand_over();
+  void enter(std::shared_ptr<const BackendResult> result);
+  ScanUpdate update_of(const TrackerStep& step, Stamp stamp) const;
+  void report(ScanId scan, const std::vector<OddityNote>& notes) const;
+
+  bool bounded() const { return options.slam.bounded_memory; }
+  /// Whether every scan is kept, and not the keyframes' alone.
+  bool keeps_all() const { return options.slam.polish && !bounded(); }
+  ScanId next_scan() const { return static_cast<ScanId>(state.ledger.records.size()); }
+
+  SlamOptions options;
+  Tracker tracker;
+  BackendRunner runner;
+  SlamState::Data state;  // but for odometry and backend, which tracker and runner hold
+  SlamObserver* observer = nullptr;
+  double backend_cpu_s = 0.0;
+  bool finished = false;
+  KeptScan kept{-1, nullptr, nullptr};  // the measurement in work, once it was kept
 };
 
-Slam::Slam(const SlamOptions& options, int threads)
-    : options_(options),
-      threads_(threads),
-      tracker_(options.odometry),
-      backend_(std::make_unique<Backend>(options)),
-      worker_(std::make_unique<Worker>()) {
-  options_.validate();
+ScanUpdate Slam::Impl::repeat(const RangeMeasurement& measurement) {
+  ScanRecord again = state.ledger.records.back();
+  again.stamp = measurement.scan.stamp;
+  again.repeated = true;
+  state.ledger.records.push_back(again);
+  if (!bounded()) state.ledger.covariances.push_back(state.ledger.covariances.back());
+  if (keeps_all()) state.store.add(measurement.scan, measurement.T_base_laser);
+  ScanUpdate update = state.last;
+  update.stamp = measurement.scan.stamp;
+  update.scan = next_scan() - 1;
+  update.repeated = true;
+  update.keyframe.reset();
+  return update;
 }
 
-Slam::~Slam() {
-  worker_->wait();
-}
-
-const Backend& Slam::backend() const {
-  worker_->wait();
-  return *backend_;
-}
-
-TrackerStep Slam::add(const RangeMeasurement& measurement) {
-  const Scan& scan = measurement.scan;
-  backend_cpu_s_ = 0.0;
-  TrackerStep step = tracker_.add(measurement);
-  if (step.keyframe) {
-    if (step.diagnostics.new_segment) breaks_.push_back(keyframes_);
-    std::shared_ptr<const Scan> own;
-    if (options_.slam.bounded_memory) own = std::make_shared<const Scan>(scan);
-    keyframe_scans_.push_back({static_cast<std::int64_t>(records_.size()), store_.size(), std::move(own)});
-    T_odom_keyframe_ = step.T_odom_mid;
-    ++keyframes_;
-  }
-  take(std::move(step.keyframes));
-  const Pose2 relative = T_odom_keyframe_.inverse() * step.T_odom_stamp;
-  records_.push_back({scan.stamp, keyframes_ - 1, static_cast<float>(relative.x), static_cast<float>(relative.y),
-                      static_cast<float>(relative.theta)});
-  if (!options_.slam.bounded_memory && (step.keyframe || options_.slam.polish))
-    store_.add(scan, measurement.T_base_laser);
-  if (batch_.size() >= static_cast<std::size_t>(options_.slam.batch_nodes)) hand_over();
-  return step;
-}
-
-void Slam::take(std::vector<TrackedKeyframe> keyframes) {
-  for (TrackedKeyframe& tracked : keyframes) {
-    Keyframe keyframe;
-    keyframe.points = std::move(tracked.points);
-    keyframe.T_odom_base = tracked.T_odom_base;
-    keyframe.information = tracked.information;
-    keyframe.new_segment = tracked.new_segment;
-    keyframe.laser = std::move(tracked.laser);
-    keyframe.T_base_laser = tracked.T_base_laser;
-    keyframe.twist = tracked.twist;
-    keyframe.T_mid_stamp = tracked.T_mid_stamp;
-    keyframe.scan = keyframe_scans_.front().scan;
-    keyframe.stored = keyframe_scans_.front().stored;
-    keyframe.own_scan = std::move(keyframe_scans_.front().own);
-    keyframe_scans_.pop_front();
-    const MapPoints& points = *keyframe.points;
-    for (std::size_t i = 0; i < points.size(); ++i) keyframe.centre += Eigen::Vector2d(points.x[i], points.y[i]);
-    if (points.size() > 0) keyframe.centre /= static_cast<double>(points.size());
-    // The first one comes with the second scan, and stands elsewhere than its own scan's answer said: it was deskewed.
-    T_odom_keyframe_ = keyframe.T_odom_base;
-    for (auto r = records_.begin() + std::min<std::int64_t>(keyframe.scan, std::ssize(records_)); r != records_.end();
-         ++r) {
-      r->x = static_cast<float>(keyframe.T_mid_stamp.x);
-      r->y = static_cast<float>(keyframe.T_mid_stamp.y);
-      r->theta = static_cast<float>(keyframe.T_mid_stamp.theta);
+void Slam::Impl::take_keyframes(const TrackerStep& step, const RangeMeasurement& measurement) {
+  for (const TrackedKeyframe& tracked : step.keyframes) {
+    const bool of_this_scan = tracked.scan + 1 == tracker.state().scans;
+    if (of_this_scan) {
+      take_keyframe(tracked, keep(measurement));
+    } else {
+      take_first(tracked);
     }
-    batch_.push_back(std::move(keyframe));
   }
+  if (step.keyframe) state.keyframe_covariance = step.covariance;
+  // That of the first tracked scan comes with the next one, which tells how it was distorted.
+  if (tracker.state().first && !state.first) state.first = keep(measurement);
 }
 
-void Slam::repeat(const RangeMeasurement& measurement) {
-  backend_cpu_s_ = 0.0;
-  records_.push_back(records_.empty() ? ScanRecord{} : records_.back());
-  records_.back().stamp = measurement.scan.stamp;
-  if (options_.slam.polish && !options_.slam.bounded_memory) store_.add(measurement.scan, measurement.T_base_laser);
+void Slam::Impl::take_keyframe(const TrackedKeyframe& tracked, const KeptScan& scan) {
+  Keyframe keyframe = to_keyframe(tracked, scan.scan);
+  keyframe.stored = scan.stored;
+  keyframe.own_scan = scan.own;
+  if (tracked.new_segment) state.ledger.breaks.push_back(state.ledger.keyframes);
+  if (observer) observer->on_keyframe(state.ledger.keyframes, tracked.T_odom_base, scan.scan);
+  state.T_odom_keyframe = tracked.T_odom_base;
+  ++state.ledger.keyframes;
+  state.batch.push_back(std::move(keyframe));
 }
 
-void Slam::hand_over() {
-  const double before = thread_cpu_seconds();
-  worker_->get();
-  std::vector<Keyframe> batch;
-  batch.swap(batch_);
-  if (threads_ > 1) {
-    worker_->running = std::async(
-        std::launch::async, [this, batch = std::move(batch)]() mutable { backend_->add_batch(std::move(batch)); });
+/// The keyframe of the first tracked scan, now that its pose is known: scans up to here stand relative to it.
+void Slam::Impl::take_first(const TrackedKeyframe& tracked) {
+  for (auto i = static_cast<std::size_t>(state.first->scan); i < state.ledger.records.size(); ++i) {
+    state.ledger.records[i].keyframe = state.ledger.keyframes;
+    state.ledger.records[i].set(tracked.T_mid_stamp);
+  }
+  take_keyframe(tracked, *state.first);
+  state.first.reset();
+}
+
+/// The scan as keyframes have it.
+const KeptScan& Slam::Impl::keep(const RangeMeasurement& measurement) {
+  if (kept.scan == next_scan()) return kept;
+  kept = {next_scan(), nullptr, nullptr};
+  if (bounded()) {
+    kept.own = std::make_shared<const Scan>(measurement.scan);
   } else {
-    backend_->add_batch(std::move(batch));
+    kept.stored = state.store.stored(state.store.add(measurement.scan, measurement.T_base_laser));
   }
-  backend_cpu_s_ = thread_cpu_seconds() - before;
+  return kept;
 }
 
-void Slam::finish() {
-  take(tracker_.finish());
-  if (!batch_.empty()) hand_over();
-  worker_->get();
-  backend_->finish();
-  if (options_.slam.polish && !options_.slam.bounded_memory && !records_.empty()) {
-    polished_ = polish_trajectory(*backend_, store_, trajectory(), records_, options_.odometry);
-  }
+void Slam::Impl::record(const TrackerStep& step, const RangeMeasurement& measurement, const ScanUpdate& update) {
+  ScanRecord record;
+  record.stamp = measurement.scan.stamp;
+  record.keyframe = state.ledger.keyframes - 1;
+  record.set(state.T_odom_keyframe.inverse() * step.T_odom_stamp);
+  record.status = step.status;
+  if (keeps_all()) keep(measurement);
+  state.ledger.records.push_back(record);
+  if (!bounded())
+    state.ledger.covariances.push_back(PackedCovariance::of(update.map_covariance.value_or(update.odom_covariance)));
 }
 
-std::vector<Pose2> Slam::trajectory() const {
-  if (!records_.empty() && polished_.size() == records_.size()) return polished_;
-  return anchored(backend().handed_in_poses());
+void Slam::Impl::hand_over() {
+  const double before = thread_cpu_seconds();
+  std::vector<Keyframe> batch;
+  batch.swap(state.batch);
+  runner.submit(std::move(batch), state.keyframe_covariance);
+  backend_cpu_s += thread_cpu_seconds() - before;
 }
 
-std::optional<Pose2> Slam::pose_on_map(std::size_t scan) const {
-  const ScanRecord& r = records_.at(scan);
-  if (r.keyframe < 0 || static_cast<std::size_t>(r.keyframe) >= backend().handed_in()) return std::nullopt;
-  return backend().handed_in_pose(static_cast<std::size_t>(r.keyframe)) *
-         Pose2{static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.theta)};
+void Slam::Impl::enter(std::shared_ptr<const BackendResult> result) {
+  const Pose2 before = state.entered ? state.entered->snapshot->T_map_odom : Pose2{};
+  state.entered = std::move(result);
+  if (observer == nullptr) return;
+  for (const auto& [edge, accepted] : state.entered->loops) observer->on_loop(edge, accepted);
+  observer->on_correction(before, state.entered->snapshot->T_map_odom, state.entered->snapshot->version);
 }
 
-PlacedScan Slam::placed_keyframe(std::size_t i) const {
-  const bool polished = !records_.empty() && polished_.size() == records_.size();
-  const Keyframe& keyframe = backend().keyframes()[i];
-  const Pose2 T_map_stamp =
-      polished ? polished_[static_cast<std::size_t>(keyframe.scan)] : backend().poses()[i] * keyframe.T_mid_stamp;
-  PlacedScan placed;
-  placed.scan = keyframe.own_scan ? *keyframe.own_scan : store_.scan(keyframe.stored);
-  placed.T_map_laser = T_map_stamp * keyframe.T_base_laser;
-  placed.twist = options_.odometry.deskew ? twist_of_frame(keyframe.T_base_laser, keyframe.twist) : Twist2{};
-  return placed;
+ScanUpdate Slam::Impl::update_of(const TrackerStep& step, Stamp stamp) const {
+  ScanUpdate update;
+  update.stamp = stamp;
+  update.scan = next_scan();
+  update.status = step.status;
+  update.T_odom_base = step.T_odom_stamp;
+  update.odom_covariance = step.covariance;
+  update.twist = step.twist;
+  if (!step.keyframes.empty()) update.keyframe = state.ledger.keyframes - 1;
+  update.diagnostics = step.diagnostics;
+  if (!state.entered) return update;
+  const BackendSnapshot& map = *state.entered->snapshot;
+  update.T_map_odom = map.T_map_odom;
+  update.map_version = map.version;
+  // What the map knows of its newest keyframe, and what tracking added since.
+  const Eigen::Matrix3d since = step.covariance - state.entered->odom_covariance;
+  update.map_covariance = map.covariance + rotate_information(positive_part(since), map.T_map_odom.theta);
+  return update;
 }
 
-std::vector<std::size_t> Slam::drawn_keyframes() const {
-  std::vector<std::size_t> drawn;
-  const MapPieces pieces = backend().pieces();
-  for (std::size_t i = 0; i < pieces.of_node.size(); ++i) {
-    if (!options_.slam.largest_piece || pieces.in_largest(i)) drawn.push_back(i);
-  }
-  return drawn;
+void Slam::Impl::report(ScanId scan, const std::vector<OddityNote>& notes) const {
+  if (observer == nullptr) return;
+  for (const OddityNote& note : notes) observer->on_warning(scan, note.kind, note.what, note.damage);
 }
 
-std::vector<char> Slam::on_map() const {
-  std::vector<char> on(records_.size(), 1);
-  if (!options_.slam.largest_piece) return on;
-  const Backend& map = backend();
-  const MapPieces pieces = map.pieces();
-  for (std::size_t i = 0; i < on.size(); ++i) {
-    const auto k = static_cast<std::size_t>(records_[i].keyframe);
-    if (records_[i].keyframe < 0 || k >= map.handed_in()) continue;
-    on[i] = pieces.in_largest(static_cast<std::size_t>(map.node_of(k)));
-  }
-  return on;
+Slam::Slam(const SlamOptions& options, Schedule schedule, Executor* executor)
+    : impl_(std::make_unique<Impl>(options, schedule, executor)) {}
+Slam::Slam(const SlamState& state, const SlamOptions& options, Schedule schedule, Executor* executor)
+    : impl_(std::make_unique<Impl>(state.data(), options, schedule, executor)) {}
+Slam::~Slam() = default;
+Slam::Slam(Slam&&) noexcept = default;
+Slam& Slam::operator=(Slam&&) noexcept = default;
+
+ScanUpdate Slam::add(const RangeMeasurement& measurement) {
+  Impl& self = *impl_;
+  if (self.finished) throw std::logic_error("Slam::add: the run is finished");
+  check(measurement);
+  self.backend_cpu_s = 0.0;
+  const ScanId scan = self.next_scan();
+  const InputVerdict verdict = check_input(self.state.input, measurement, scan);
+  self.report(scan, verdict.notes);
+  if (verdict.repeated) return self.repeat(measurement);
+  const TrackerStep step = self.tracker.add(measurement);
+  self.take_keyframes(step, measurement);
+  if (self.state.batch.size() >= static_cast<std::size_t>(self.options.slam.batch_nodes)) self.hand_over();
+  if (std::shared_ptr<const BackendResult> result = self.runner.take()) self.enter(std::move(result));
+  const ScanUpdate update = self.update_of(step, measurement.scan.stamp);
+  self.record(step, measurement, update);
+  self.state.last = update;
+  return update;
 }
 
-std::size_t Slam::scans_left_out() const {
-  const std::vector<char> on = on_map();
-  return static_cast<std::size_t>(std::count(on.begin(), on.end(), 0));
+std::optional<Pose2> Slam::predict(Stamp stamp) const {
+  const ScanUpdate& last = impl_->state.last;
+  if (impl_->state.ledger.keyframes == 0 || last.status == TrackingStatus::kLost) return std::nullopt;
+  const double ahead_s = stamp_to_seconds(stamp - last.stamp);
+  if (std::abs(ahead_s) > kMostAheadS) return std::nullopt;
+  return last.T_map_base() * exp_twist(last.twist, ahead_s);
 }
 
-OccupancyGrid Slam::render_map() const {
-  OccupancyGrid grid(options_.map);
-  for (const std::size_t i : drawn_keyframes()) {
-    const PlacedScan placed = placed_keyframe(i);
-    grid.add_scan(placed.scan, placed.T_map_laser, placed.twist);
-  }
-  return grid;
+std::shared_ptr<const MapSnapshot> Slam::map() const {
+  static const auto kEmpty = std::make_shared<const BackendSnapshot>();
+  return make_map_view(impl_->state.entered ? impl_->state.entered->snapshot : kEmpty, impl_->options);
 }
 
-std::vector<GlassPane> Slam::find_glass_panes(const OccupancyGrid& grid) const {
-  if (!options_.glass.enabled) return {};
-  const std::vector<std::size_t> drawn = drawn_keyframes();
-  std::vector<GlassPane> panes = find_glass(
-      drawn.size(), [&](std::size_t i) { return placed_keyframe(drawn[i]); }, grid, options_.glass);
-  // Where the robot drove on this map; where pieces that are not on it lie is a guess.
-  const std::vector<Pose2> poses = trajectory();
-  const std::vector<char> on = on_map();
-  for (auto begin = on.begin(); begin != on.end();) {
-    const auto end = std::find(begin, on.end(), 0);
-    const std::span<const Pose2> way(poses.begin() + (begin - on.begin()), poses.begin() + (end - on.begin()));
-    panes = cut_where_driven(std::move(panes), way, options_.glass.keep_open_m, options_.glass.min_length_m);
-    begin = std::find(end, on.end(), 1);
-  }
-  return panes;
+void Slam::set_observer(SlamObserver* observer) {
+  impl_->observer = observer;
 }
 
-std::vector<Pose2> Slam::odometry_trajectory() const {
-  return anchored(backend().handed_in_poses(true));
+SlamState Slam::checkpoint() {
+  Impl& self = *impl_;
+  if (self.finished) throw std::logic_error("Slam::checkpoint: the run is finished");
+  self.runner.wait();
+  auto data = std::make_shared<SlamState::Data>(self.state);
+  data->odometry = self.tracker.state();
+  data->backend = self.runner.idle().state();
+  data->pending = self.runner.pending();
+
+  return SlamState(std::move(data));
 }
 
-std::vector<Pose2> Slam::anchored(const std::vector<Pose2>& keyframe_poses) const {
-  std::vector<Pose2> out;
-  out.reserve(records_.size());
-  const std::vector<Pose2> odometry = backend().handed_in_poses(true);
-  std::size_t begin = 0;
-  while (begin < records_.size()) {
-    const std::int32_t keyframe = records_[begin].keyframe;
-    std::size_t end = begin;
-    while (end < records_.size() && records_[end].keyframe == keyframe) ++end;
-    const auto k = static_cast<std::size_t>(keyframe);
-    const bool known = keyframe >= 0 && k < keyframe_poses.size();
-    // What the map corrected between this keyframe and the next happened on the way there, not at its end.
-    Twist2 correction;
-    if (known && k + 1 < keyframe_poses.size() && !std::binary_search(breaks_.begin(), breaks_.end(), keyframe + 1)) {
-      const Pose2 on_map = keyframe_poses[k].inverse() * keyframe_poses[k + 1];
-      correction = log_pose((odometry[k].inverse() * odometry[k + 1]).inverse() * on_map);
-    }
-    for (std::size_t i = begin; i < end; ++i) {
-      const ScanRecord& r = records_[i];
-      const Pose2 T_keyframe_stamp{static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.theta)};
-      const double share = static_cast<double>(i - begin) / static_cast<double>(end - begin);
-      const Pose2 part = exp_twist(correction, share);
-      out.push_back(known ? keyframe_poses[k] * T_keyframe_stamp * part : T_keyframe_stamp);
-    }
-    begin = end;
-  }
-  return out;
+SlamResult Slam::finish() {
+  Impl& self = *impl_;
+  if (std::exchange(self.finished, true)) throw std::logic_error("Slam::finish: the run is finished already");
+  const double before = thread_cpu_seconds();
+  for (const TrackedKeyframe& tracked : self.tracker.finish()) self.take_first(tracked);
+  self.runner.wait();
+  self.runner.finish(std::exchange(self.state.batch, {}));
+  const Backend& backend = self.runner.idle();
+  self.enter(self.runner.final_result(self.state.keyframe_covariance));
+  const ScanLedger& ledger = self.state.ledger;
+  std::vector<Pose2> poses = poses_of_scans(ledger, backend.submitted_poses(), backend.submitted_poses(true));
+  const bool refined = self.keeps_all() && !ledger.records.empty();
+  if (refined) poses = refine_trajectory(backend, self.state.store, poses, ledger.records, self.options.odometry);
+  SlamResult result = make_result(backend, ledger, std::move(poses), refined, self.options);
+  result.wheels = self.tracker.state().motion.wheels.counts;
+  result.oddities = self.state.input.oddities;
+  self.backend_cpu_s = thread_cpu_seconds() - before;
+  return result;
+}
+
+std::size_t Slam::scans() const {
+  return impl_->state.ledger.records.size();
+}
+
+const SlamOptions& Slam::options() const {
+  return impl_->options;
+}
+
+double Slam::last_backend_cpu_s() const {
+  return impl_->backend_cpu_s;
+}
+
+std::size_t SlamState::scans() const {
+  return data_->ledger.records.size();
+}
+
+std::size_t SlamResult::scans_left_out() const {
+  return static_cast<std::size_t>(
+      std::count_if(scans.begin(), scans.end(), [](const ScanResult& s) { return !s.on_map; }));
+}
+
+std::vector<Pose2> SlamResult::trajectory() const {
+  std::vector<Pose2> poses;
+  poses.reserve(scans.size());
+  for (const ScanResult& scan : scans) poses.push_back(scan.T_map_base);
+  return poses;
+}
+
+std::vector<Pose2> SlamResult::odometry_trajectory() const {
+  std::vector<Pose2> poses;
+  poses.reserve(scans.size());
+  for (const ScanResult& scan : scans) poses.push_back(scan.T_odom_base);
+  return poses;
 }
 
 }  // namespace phasescan

@@ -79,6 +79,25 @@ TEST(SlamCommand, SameBytesWhateverTheThreads) {
   EXPECT_EQ(slurp(one / "out/timing.json"), "");
 }
 
+TEST(SlamCommand, ScansJsonlHasALinePerScanWithStatusPosesAndCovariance) {
+  const TempFolder folder;
+  ASSERT_EQ(slam(folder, toy_log(60).flaser).code, 0);
+  const auto lines = lines_of(slurp(folder / "out/scans.jsonl"));
+  ASSERT_EQ(lines.size(), 60u);
+  for (const std::string& line : lines) {
+    const auto scan = nlohmann::json::parse(line);
+    EXPECT_EQ(scan.at("status"), "ok") << line;
+    EXPECT_TRUE(scan.at("left_out").is_null());
+    for (const char* pose : {"pose", "odom_pose"}) {
+      for (const char* number : {"x", "y", "theta"}) EXPECT_TRUE(scan.at(pose).at(number).is_number()) << line;
+    }
+    ASSERT_EQ(scan.at("covariance").size(), 9u);
+    for (const int diagonal : {0, 4, 8}) EXPECT_GT(scan.at("covariance").at(static_cast<std::size_t>(diagonal)), 0.0);
+  }
+  const auto first = nlohmann::json::parse(lines.front()), last = nlohmann::json::parse(lines.back());
+  EXPECT_LT(first.at("stamp").get<double>(), last.at("stamp").get<double>());
+}
+
 TEST(SlamCommand, ResultsOfTwoRunsDoNotMix) {
   const TempFolder folder;
   const ToyLog log = toy_log(60);
@@ -91,7 +110,7 @@ TEST(SlamCommand, ResultsOfTwoRunsDoNotMix) {
   ASSERT_EQ(slam(folder, log.flaser).code, 0);
   folder.put("out/notes.txt", "of the user");
   const auto first = all();
-  EXPECT_EQ(first.size(), 9u);
+  EXPECT_EQ(first.size(), 10u);
   // Runs that end in nothing leave what was there, every byte of it.
   const std::string shorter = toy_log(40).flaser;
   EXPECT_EQ(slam(folder, "PARAM robot_frontlaser_offset 0.0 nohost 0\n").code, 1);
@@ -111,7 +130,7 @@ TEST(SlamCommand, ResultsOfTwoRunsDoNotMix) {
   // One without times takes the old ones away.
   EXPECT_EQ(slam(folder, shorter, {"--no-times"}).code, 0);
   const auto second = all();
-  EXPECT_EQ(second.size(), 8u);
+  EXPECT_EQ(second.size(), 9u);
   EXPECT_EQ(second.count("timing.json"), 0u);
   EXPECT_EQ(second.count("notes.txt"), 1u);
 }

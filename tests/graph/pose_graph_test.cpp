@@ -57,6 +57,73 @@ TEST(PoseGraph, TwoOpinionsMeetAtTheirWeightedMean) {
   EXPECT_NEAR((*covariance)(2, 2), 1.0 / 5.0, 1e-6);
 }
 
+/// The same by a dense inverse and numerical derivatives.
+Eigen::Matrix3d dense_covariance(const PoseGraph& graph, int node, int fixed) {
+  const auto n = static_cast<Eigen::Index>(graph.poses().size());
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  const double h = 1e-6;
+  for (std::size_t e = 0; e < graph.edges().size(); ++e) {
+    const PoseEdge& edge = graph.edges()[e];
+    if (!edge.enabled) continue;
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, 3 * n);
+    for (const int end : {edge.from, edge.to}) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto error = [&](double step) {
+          PoseGraph moved = graph;
+          Pose2 p = graph.poses()[static_cast<std::size_t>(end)];
+          (axis == 0 ? p.x : axis == 1 ? p.y : p.theta) += step;
+          moved.set_pose(end, p);
+          const Pose2 off = moved.edge_error(static_cast<int>(e));
+          return Eigen::Vector3d(off.x, off.y, off.theta);
+        };
+        J.col(3 * end + axis) = (error(h) - error(-h)) / (2 * h);
+      }
+    }
+    H += J.transpose() * edge.information * J;
+  }
+  H.block<3, 3>(3 * fixed, 3 * fixed) += 1e12 * Eigen::Matrix3d::Identity();
+  const Eigen::MatrixXd inverse = H.inverse();
+  return inverse.block<3, 3>(3 * node, 3 * node);
+}
+
+TEST(PoseGraph, CovarianceIsTheBlockOfTheDenseInverse) {
+  Random random(21);
+  const auto truth = square();
+  PoseGraph graph;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    graph.add_node(truth[i]);
+    if (i > 0)
+      graph.add_edge({static_cast<int>(i) - 1, static_cast<int>(i), truth[i - 1].inverse() * truth[i],
+                      information(random.uniform(0.01, 0.05), random.uniform(0.005, 0.02))});
+  }
+  graph.add_edge({2, 40, truth[2].inverse() * truth[40] * Pose2{0.02, 0.01, 0.003}, information(0.02, 0.01), true});
+  const int undone = graph.add_edge({5, 30, {}, information(0.001, 0.001), true});
+  graph.set_enabled(undone, false);
+  for (const auto& [node, fixed] : {std::pair{40, 0}, {17, 0}, {0, 17}, {40, 30}, {3, 3}}) {
+    const auto found = graph.covariance(node, fixed);
+    ASSERT_TRUE(found);
+    if (node == fixed) {
+      EXPECT_EQ(found->norm(), 0.0);
+      continue;
+    }
+    const Eigen::Matrix3d expected = dense_covariance(graph, node, fixed);
+    EXPECT_LT((*found - expected).norm(), 1e-5 * expected.norm()) << node << " " << fixed;
+    EXPECT_GT(expected(0, 0), 0.0);
+  }
+}
+
+TEST(PoseGraph, CovarianceOfANodeThatNothingTiesIsEmptyAndSaysNothingOfTheOthers) {
+  PoseGraph graph;
+  for (int i = 0; i < 4; ++i) graph.add_node({static_cast<double>(i), 0, 0});
+  graph.add_edge({0, 1, {1, 0, 0}, information(0.1, 0.1)});
+  graph.add_edge({2, 3, {1, 0, 0}, information(0.1, 0.1)});
+  EXPECT_FALSE(graph.covariance(3));
+  EXPECT_NEAR((*graph.covariance(3, 2))(0, 0), 0.01, 1e-12);
+  EXPECT_NEAR((*graph.covariance(1))(0, 0), 0.01, 1e-12);
+  EXPECT_THROW(static_cast<void>(graph.covariance(4)), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(graph.covariance(1, -1)), std::invalid_argument);
+}
+
 TEST(PoseGraph, ErrorOfALoopIsSpreadEvenly) {
   // A chain of n equal steps along x, whose end is measured 0.1 m short with the information of one step: every step
   // gives way by the same amount, 0.1 / (n + 1).

@@ -107,6 +107,33 @@ TEST(OccupancyGrid, MissingBeamsClearOnlyBetweenNeighbours) {
   EXPECT_THROW(OccupancyGrid(OccupancyOptions{0.0}), std::invalid_argument);
 }
 
+TEST(OccupancyGrid, AGridThatWasClearedIsDrawnOnLikeANewOne) {
+  OccupancyGrid grid, fresh;
+  grid.add_scan(scan_of({1.0F}, 0.0, 0.1), {});
+  grid.clear();
+  EXPECT_LT(grid.bounds().max_i, grid.bounds().min_i);
+  grid.add_scan(scan_of({1.0F}, 0.0, 0.1), {});
+  fresh.add_scan(scan_of({1.0F}, 0.0, 0.1), {});
+  EXPECT_EQ(make_trinary(grid).cells, make_trinary(fresh).cells);
+  EXPECT_TRUE(grid.known(10, 0));
+}
+
+TEST(OccupancyGrid, AGridThatWasMovedFromLeavesTheOtherAlone) {
+  OccupancyGrid first;
+  first.add_scan(scan_of({1.0F}, 0.0, 0.1), {});
+  OccupancyGrid second(std::move(first));
+  const double before = second.log_odds(5, 0);
+  first.add_scan(scan_of({1.0F}, 0.0, 0.1), {});  // NOLINT(bugprone-use-after-move): empty, says the interface
+  EXPECT_EQ(second.log_odds(5, 0), before);
+  EXPECT_EQ(first.log_odds(5, 0), before);
+  OccupancyGrid third;
+  third = std::move(first);
+  first.add_scan(scan_of({1.0F}, kPi / 2, 0.1), {});  // NOLINT(bugprone-use-after-move)
+  EXPECT_FALSE(third.known(0, 5));
+  EXPECT_FALSE(first.known(5, 0));
+  EXPECT_TRUE(first.known(0, 5));
+}
+
 TEST(OccupancyGrid, ALaserUpsideDownIsDrawnFromItsMirroredScan) {
   OccupancyOptions options;
   options.resolution_m = 0.1;

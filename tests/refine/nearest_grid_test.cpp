@@ -42,6 +42,22 @@ TEST(NearestGrid, AnswersAreAsNearAsCellsCanTell) {
   }
 }
 
+TEST(NearestGrid, BuiltAgainItAnswersAsANewOne) {
+  // Large for its points, so that what was written last time is cleared and not the whole; growing and shrinking.
+  Random random(6);
+  NearestGrid again;
+  for (const double half_width : {20.0, 20.03, 19.2, 20.4, 30.0, 12.0, 2.0, 12.0}) {
+    const auto points = random_points(random, 60, half_width);
+    NearestGrid fresh;
+    fresh.build(points, static_cast<float>(half_width), 0.1F);
+    again.build(points, static_cast<float>(half_width), 0.1F);
+    for (int k = 0; k < 20000; ++k) {
+      const auto x = static_cast<float>(random.uniform(-32, 32)), y = static_cast<float>(random.uniform(-32, 32));
+      ASSERT_EQ(again.nearest(x, y), fresh.nearest(x, y)) << half_width << " " << x << " " << y;
+    }
+  }
+}
+
 TEST(NearestGrid, PointsOutsideAndNonsensePositionsAreHarmless) {
   std::vector<SurfacePoint> points(3);
   points[0].x = 100.0F;

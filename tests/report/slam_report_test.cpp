@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
-
 namespace phasescan {
 namespace {
 
@@ -20,52 +18,62 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 class SlamReportTest : public ::testing::Test {
  protected:
   SlamReportTest() {
-    map_.width = map_.height = 20;
-    map_.resolution_m = 0.5;
-    map_.cells.assign(400, CellState::kFree);
-    for (int i = 0; i < 9; ++i) way_.push_back({1.0 * i, 5.0, 0.0});
-    for (int k = 0; k < 4; ++k) graph_.add_node({2.0 * k, 5.0, 0.0});
+    result_.map.width = result_.map.height = 20;
+    result_.map.resolution_m = 0.5;
+    result_.map.cells.assign(400, CellState::kFree);
+    for (int i = 0; i < 9; ++i) {
+      ScanResult scan;
+      scan.T_map_base = scan.T_odom_base = {1.0 * i, 5.0, 0.0};
+      result_.scans.push_back(scan);
+    }
+    for (int k = 0; k < 4; ++k) {
+      MapKeyframe keyframe;
+      keyframe.T_map_base = {2.0 * k, 5.0, 0.0};
+      result_.keyframes.push_back(keyframe);
+    }
+    result_.drawn.assign(4, 1);
     for (const auto& [from, to] : {std::pair{0, 1}, {2, 3}}) {
-      PoseEdge loop;
+      MapEdge loop;
       loop.from = from;
       loop.to = to;
-      loop.robust = true;
-      graph_.add_edge(loop);
+      loop.loop = true;
+      result_.edges.push_back(loop);
     }
-    report_.map = &map_;
-    report_.graph = &graph_;
-    report_.trajectory = report_.odometry = way_;
+    report_.result = &result_;
   }
-  TrinaryMap map_;
-  std::vector<Pose2> way_;
-  PoseGraph graph_;
+  std::string html() const { return format_slam_report(report_); }
+  std::size_t links() const { return count_of(html(), "stroke-opacity=\"0.6\""); }
+
+  SlamResult result_;
   SlamReport report_;
 };
 
 TEST_F(SlamReportTest, OneWayWhereAllIsOnTheMap) {
-  const std::string html = format_slam_report(report_);
-  const std::array<char, 9> all = {1, 1, 1, 1, 1, 1, 1, 1, 1};
-  const std::array<char, 4> nodes = {1, 1, 1, 1};
-  report_.on_map = all;
-  report_.node_on_map = nodes;
-  EXPECT_EQ(format_slam_report(report_), html);
-  EXPECT_THAT(html, Not(HasSubstr("stroke-dasharray=\"5 4\"")));
-  EXPECT_THAT(html, Not(HasSubstr("Dashed")));
-  EXPECT_EQ(count_of(html, "stroke-width=\"1.5\" points="), 1u);
+  EXPECT_THAT(html(), Not(HasSubstr("stroke-dasharray=\"5 4\"")));
+  EXPECT_THAT(html(), Not(HasSubstr("Dashed")));
+  EXPECT_EQ(count_of(html(), "stroke-width=\"1.5\" points="), 1u);
+  EXPECT_EQ(links(), 2u);
 }
 
 TEST_F(SlamReportTest, WhatIsOnNoPartOfTheMapIsDashedAndHasNoLoops) {
-  const std::array<char, 9> on = {1, 1, 1, 0, 0, 0, 1, 1, 1};
-  const std::array<char, 4> nodes = {1, 1, 0, 1};
-  const std::size_t links = count_of(format_slam_report(report_), "stroke-opacity=\"0.6\"");
-  report_.on_map = on;
-  report_.node_on_map = nodes;
-  const std::string html = format_slam_report(report_);
-  EXPECT_EQ(count_of(html, "stroke-width=\"1.5\" points="), 2u);
-  EXPECT_EQ(count_of(html, "stroke-dasharray=\"5 4\""), 1u);
-  EXPECT_THAT(html, HasSubstr("Dashed: 3 scans"));
-  EXPECT_EQ(links, 2u);
-  EXPECT_EQ(count_of(html, "stroke-opacity=\"0.6\""), 1u);
+  for (const std::size_t i : {3u, 4u, 5u}) result_.scans[i].on_map = false;
+  result_.drawn[2] = 0;
+  EXPECT_EQ(count_of(html(), "stroke-width=\"1.5\" points="), 2u);
+  EXPECT_EQ(count_of(html(), "stroke-dasharray=\"5 4\""), 1u);
+  EXPECT_THAT(html(), HasSubstr("Dashed: 3 scans"));
+  EXPECT_EQ(links(), 1u);
+}
+
+TEST_F(SlamReportTest, LoopsThatWereTakenOutAreDrawnApartAndStepsAreNoLoops) {
+  result_.edges[1].enabled = false;
+  MapEdge step;
+  step.from = 1;
+  step.to = 2;
+  result_.edges.push_back(step);
+  const std::string text = html();
+  EXPECT_EQ(links(), 2u);
+  result_.edges[1].enabled = true;
+  EXPECT_NE(html(), text);
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ Drive drive_that_slips(int laps, double share, const Pose2& slip) {
     auto points = std::make_shared<MapPoints>();
     to_map_points(surface, {}, 30.0, *points);
     Keyframe keyframe;
-    keyframe.points = points;
+    keyframe.points = std::make_shared<const KeyframePoints>(*points);
     keyframe.T_odom_base = i < slips_at ? tour[i] : tour[slips_at] * slip * tour[slips_at].inverse() * tour[i];
     keyframe.information = Eigen::Vector3d(1e4, 1e4, 1e5).asDiagonal();
     keyframe.scan = static_cast<std::int64_t>(i);
@@ -65,9 +65,9 @@ Outcome map_of(const Drive& drive) {
   }
   backend.finish();
   out.nodes = backend.keyframes().size();
-  EXPECT_EQ(backend.handed_in(), drive.keyframes.size());
-  for (std::size_t i = 0; i < backend.handed_in(); ++i) {
-    out.last_m = translation_distance(backend.handed_in_pose(i), drive.truth[i]);
+  EXPECT_EQ(backend.submitted(), drive.keyframes.size());
+  for (std::size_t i = 0; i < backend.submitted(); ++i) {
+    out.last_m = translation_distance(backend.submitted_pose(i), drive.truth[i]);
     out.far_off += out.last_m > 0.2;
   }
   return out;

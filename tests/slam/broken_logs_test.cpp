@@ -52,18 +52,15 @@ Outcome run(const Log& log) {
   Slam slam;
   Outcome out;
   for (const Scan& scan : log.scans) out.begun_anew += slam.add({scan}).diagnostics.new_segment;
-  slam.finish();
-  out.left_out = slam.scans_left_out();
-  const MapPieces pieces = slam.backend().pieces();
-  out.pieces = pieces.count;
-  const std::vector<Pose2> poses = slam.trajectory();
+  const SlamResult result = slam.finish();
+  out.left_out = result.scans_left_out();
+  out.pieces = result.pieces;
   AssociatedPoses all, drawn;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    all.estimate.push_back(poses[i]);
+  for (std::size_t i = 0; i < result.scans.size(); ++i) {
+    all.estimate.push_back(result.scans[i].T_map_base);
     all.reference.push_back(log.truth[i]);
-    const auto keyframe = static_cast<std::size_t>(std::max(0, slam.records()[i].keyframe));
-    if (!pieces.in_largest(static_cast<std::size_t>(slam.backend().node_of(keyframe)))) continue;
-    drawn.estimate.push_back(poses[i]);
+    if (!result.scans[i].on_map) continue;
+    drawn.estimate.push_back(result.scans[i].T_map_base);
     drawn.reference.push_back(log.truth[i]);
   }
   out.ate = error_stats(absolute_trajectory_errors(all));
@@ -128,34 +125,6 @@ TEST(BrokenLogs, AScanEveryHalfMetreIsEnough) {
     sum += out.drawn_rmse;
   }
   EXPECT_LT(sum / static_cast<double>(seeds.size()), 0.2);
-}
-
-TEST(MapPieces, BreaksThatNoLoopBridges) {
-  std::vector<Keyframe> keyframes(6);
-  keyframes[2].new_segment = keyframes[4].new_segment = true;
-  PoseGraph graph;
-  for (int k = 0; k < 6; ++k) {
-    graph.add_node({});
-    if (k == 0) continue;
-    PoseEdge edge;
-    edge.from = k - 1;
-    edge.to = k;
-    graph.add_edge(edge);
-  }
-  EXPECT_EQ(find_pieces(keyframes, graph).of_node, (std::vector<int>{0, 0, 1, 1, 2, 2}));
-  PoseEdge loop;
-  loop.from = 3;
-  loop.to = 5;
-  loop.robust = true;
-  graph.add_edge(loop);
-  const MapPieces tied = find_pieces(keyframes, graph);
-  EXPECT_EQ(tied.count, 2);
-  EXPECT_EQ(tied.largest, 1);
-  EXPECT_FALSE(tied.in_largest(0));
-  EXPECT_TRUE(tied.in_largest(5));
-  graph.set_enabled(static_cast<int>(graph.edges().size()) - 1, false);
-  EXPECT_EQ(find_pieces(keyframes, graph).count, 3);
-  EXPECT_EQ(find_pieces({}, {}).count, 0);
 }
 
 }  // namespace

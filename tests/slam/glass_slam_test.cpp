@@ -23,12 +23,12 @@ Claims tour(sim::WorldKind kind, std::uint64_t seed) {
   Slam slam;
   Pose2 T_world_map;
   while (const auto scan = drive.next()) {
-    if (slam.records().empty()) T_world_map = scan->T_world_laser;
+    if (slam.scans() == 0) T_world_map = scan->T_world_laser;
     slam.add({scan->entry.scan});
   }
-  slam.finish();
+  const SlamResult result = slam.finish();
   Claims claims;
-  for (const GlassPane& pane : slam.find_glass_panes(slam.render_map())) {
+  for (const GlassPane& pane : result.glass) {
     if (!pane.sure) continue;
     constexpr int kSteps = 20;
     for (int k = 0; k <= kSteps; ++k) {

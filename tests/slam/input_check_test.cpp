@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace phasescan {
@@ -17,11 +18,15 @@ Scan scan_at(double seconds, float range = 2.0F, std::size_t beams = 100, std::s
 
 /// Counts by kind after two scans of one laser.
 std::size_t count(const Scan& first, const Scan& second, const char* kind) {
-  InputCheck check;
-  check.add(first, "a", std::nullopt, "f:1");
-  check.add(second, "a", std::nullopt, "f:2");
-  const auto found = check.oddities().find(kind);
-  return found == check.oddities().end() ? 0 : found->second.count;
+  InputCheckState check;
+  check_input(check, {first, "a"}, 0);
+  check_input(check, {second, "a"}, 1);
+  const auto found = check.oddities.find(kind);
+  return found == check.oddities.end() ? 0 : found->second.count;
+}
+
+bool damaged(const InputCheckState& check) {
+  return std::any_of(check.oddities.begin(), check.oddities.end(), [](const auto& o) { return o.second.damage; });
 }
 
 TEST(InputCheck, EachOddityOfTime) {
@@ -46,22 +51,25 @@ TEST(InputCheck, FewReturnsAndNone) {
 }
 
 TEST(InputCheck, OnlyBrokenInputIsDamage) {
-  InputCheck gaps;
-  gaps.add(scan_at(1.0), "a", std::nullopt, "f:1");
-  gaps.add(scan_at(500.0), "a", std::nullopt, "f:2");
-  gaps.add(scan_at(500.1), "b", std::nullopt, "f:3");
-  EXPECT_FALSE(gaps.damaged());
-  EXPECT_EQ(gaps.oddities().at("several lasers").count, 1u);
-  EXPECT_EQ(gaps.oddities().at("gap").first, "f:2: no scan for 499000 ms");
-  InputCheck jumps;
-  jumps.add(scan_at(1.0), "a", Pose2{0, 0, 0}, "f:1");
-  jumps.add(scan_at(1.2), "a", Pose2{30, 0, 0}, "f:2");
-  EXPECT_TRUE(jumps.damaged());
+  InputCheckState gaps;
+  check_input(gaps, {scan_at(1.0), "a"}, 0);
+  check_input(gaps, {scan_at(500.0), "a"}, 1);
+  check_input(gaps, {scan_at(500.1), "b"}, 2);
+  EXPECT_FALSE(damaged(gaps));
+  EXPECT_EQ(gaps.oddities.at("several lasers").count, 1u);
+  EXPECT_EQ(gaps.oddities.at("gap").first, 1);
+  EXPECT_EQ(gaps.oddities.at("gap").what, "no scan for 499000 ms");
+  InputCheckState jumps;
+  check_input(jumps, {scan_at(1.0), "a", {}, Pose2{0, 0, 0}}, 0);
+  const InputVerdict jump = check_input(jumps, {scan_at(1.2), "a", {}, Pose2{30, 0, 0}}, 1);
+  EXPECT_TRUE(damaged(jumps));
+  ASSERT_EQ(jump.notes.size(), 1u);
+  EXPECT_EQ(jump.notes[0].kind, "odometry jump");
   // What a robot can drive while nothing is logged is no jump.
-  InputCheck pause;
-  pause.add(scan_at(1.0), "a", Pose2{0, 0, 0}, "f:1");
-  pause.add(scan_at(61.0), "a", Pose2{30, 0, 0}, "f:2");
-  EXPECT_FALSE(pause.damaged());
+  InputCheckState pause;
+  check_input(pause, {scan_at(1.0), "a", {}, Pose2{0, 0, 0}}, 0);
+  check_input(pause, {scan_at(61.0), "a", {}, Pose2{30, 0, 0}}, 1);
+  EXPECT_FALSE(damaged(pause));
 }
 
 }  // namespace

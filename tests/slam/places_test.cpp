@@ -68,7 +68,7 @@ std::vector<Keyframe> keyframes_at(const std::vector<Wall>& walls, const std::ve
     auto points = std::make_shared<MapPoints>();
     to_map_points(surface, {}, 40.0, *points);
     Keyframe keyframe;
-    keyframe.points = points;
+    keyframe.points = std::make_shared<const KeyframePoints>(*points);
     keyframe.T_odom_base = T_odom;
     keyframe.information = Eigen::Vector3d(1e4, 1e4, 1e5).asDiagonal();
     keyframe.scan = static_cast<std::int64_t>(i);

@@ -16,7 +16,7 @@ from .entries import ROOT
 # Kernels once, for the baseline CPU: what mutants change is the same for every target. NDEBUG as in a release build.
 FLAGS = ["-DCMAKE_BUILD_TYPE=Release", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG", "-DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC",
          "-DBUILD_SHARED_LIBS=ON", "-DCMAKE_EXE_LINKER_FLAGS=-Wl,--enable-new-dtags", "-DCMAKE_SHARED_LINKER_FLAGS=-Wl,--enable-new-dtags",
-         "-DCMAKE_LINK_DEPENDS_NO_SHARED=ON", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DPHASESCAN_BUILD_BENCH=OFF", "-DCMAKE_UNITY_BUILD=OFF"]
+         "-DCMAKE_LINK_DEPENDS_NO_SHARED=ON", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", "-DPHASESCAN_BUILD_BENCH=OFF"]
 
 
 class BuildFailed(Exception):
@@ -32,7 +32,8 @@ class Build:
         subprocess.run(["ninja", "-C", str(folder), f"-j{jobs}", *programs], check=True)
         self.commands = {}
         for entry in json.loads((folder / "compile_commands.json").read_text()):
-            self.commands[entry["output"]] = shlex.split(entry["command"])
+            command = shlex.split(entry["command"])
+            self.commands[command[command.index("-o") + 1]] = command
         self.objects_of = self.read_links(programs)  # {target: [objects]}
         wanted = {o for objects in self.objects_of.values() for o in objects}
         self.dependents = {}  # {source or header below ROOT: {objects}}
@@ -47,8 +48,7 @@ class Build:
         """The test programs asked for and all shared libraries of ours, each with its objects."""
         found = {}
         text = (self.folder / "build.ninja").read_text().replace("$\n", " ")
-        for target, inputs in re.findall(r"^build ([^:|]+?)(?: \|[^:]*)?: CXX_(?:SHARED_LIBRARY|EXECUTABLE)_LINKER\S* ([^|\n]*)", text, re.M):
-            target = target.strip()
+        for target, inputs in re.findall(r"^build (\S+)[^:\n]*: CXX_(?:SHARED_LIBRARY|EXECUTABLE)_LINKER\S* ([^|\n]*)", text, re.M):
             if re.search(r"\.so(\.\d+)*$", target) or pathlib.Path(target).name in programs:
                 found[target] = [word for word in inputs.split() if word.endswith(".o")]
         return found

@@ -26,7 +26,7 @@ class Entry:
 
     @property
     def folder(self):
-        return self.file.split("/")[1]
+        return self.file.removeprefix("include/phasescan/").removeprefix("src/").split("/")[0]
 
     @property
     def key(self):

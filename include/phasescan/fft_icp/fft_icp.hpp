@@ -23,8 +23,8 @@ class FftIcpReference {
   std::shared_ptr<const Data> data_;
 };
 
-/// Matches scans with one of the five methods. Owns its buffers: one object per thread; nothing is shared but FFT plans.
-/// `usable` is the method's own convergence test; `confidence` stays empty.
+/// Matches scans with one of the five methods. Owns its buffers: one object per thread; nothing is shared but FFT
+/// plans. `usable` is the method's own convergence test; `confidence` stays empty.
 class FftIcpMatcher {
  public:
   /// @throws std::invalid_argument naming the option that is out of bounds.

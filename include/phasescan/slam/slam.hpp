@@ -1,101 +1,108 @@
-/// SLAM: scans in, a trajectory and a map out.
+/// SLAM: measurements in, a pose at once for each, a map and all poses at the end.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "phasescan/core/executor.hpp"
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/core/time.hpp"
-#include "map/glass.hpp"
-#include "map/occupancy_grid.hpp"
-#include "odometry/tracker.hpp"
-#include "slam/backend.hpp"
+#include "phasescan/scan/range_measurement.hpp"
 #include "phasescan/slam/options.hpp"
-#include "slam/scan_store.hpp"
+#include "phasescan/slam/result.hpp"
+#include "phasescan/slam/scan_update.hpp"
 
 namespace phasescan {
 
-/// What is kept of every scan: where it stands relative to a keyframe. Small, since there may be many.
-struct ScanRecord {
-  Stamp stamp = 0;
-  std::int32_t keyframe = -1;     ///< -1: before the first keyframe
-  float x = 0, y = 0, theta = 0;  ///< T_keyframe_stamp: the base at the scan's first beam
+/// When the results of loops and graph enter.
+enum class Schedule {
+  kDeterministic,  ///< at fixed keyframe counts, whatever runs beside: the same bytes always; `add` may wait for a
+                   ///< batch
+  kLatest,         ///< as soon as they are there: `add` never waits, and answers depend on how fast the executor is
 };
 
-/// Tracks, finds loops and keeps the map's poses straight. The tracker never waits for the map but at fixed scan
-/// counts, so that the same scans give the same answer with any number of threads.
-class Slam {
+/// The map while it is being made: immutable, shared, cheap to take.
+class MapSnapshot {
  public:
-  /// @param threads  1: loops and graph are worked on between scans; more: beside the tracker
-  /// @throws std::invalid_argument naming the option out of bounds.
-  explicit Slam(const SlamOptions& options = {}, int threads = 1);
-  ~Slam();
+  virtual ~MapSnapshot() = default;
+  virtual std::uint64_t version() const = 0;
+  virtual const Pose2& T_map_odom() const = 0;
+  virtual std::vector<MapKeyframe> keyframes() const = 0;
+  /// Draws it. @cost O(beams of all keyframes drawn), in the caller's thread
+  virtual TrinaryMap draw() const = 0;
+};
 
-  /// The next laser message.
-  TrackerStep add(const RangeMeasurement& measurement);
+/// What happens beside the scans. Called from within `add` and `finish`, on the caller's thread.
+class SlamObserver {
+ public:
+  virtual ~SlamObserver() = default;
+  virtual void on_keyframe(KeyframeId, const Pose2& /*T_odom_base*/, ScanId) {}
+  /// A loop that entered the graph, or left it again (`accepted` false).
+  virtual void on_loop(const MapEdge&, bool /*accepted*/) {}
+  /// A result of loops and graph entered: `T_map_odom` is another now.
+  virtual void on_correction(const Pose2& /*before*/, const Pose2& /*after*/, std::uint64_t /*map_version*/) {}
+  virtual void on_warning(ScanId, const std::string& /*kind*/, const std::string& /*what*/, bool /*damage*/) {}
+};
 
-  /// A message that repeats the one before: it gets that one's pose and counts for nothing else.
-  void repeat(const RangeMeasurement& measurement);
-
-  /// Ends the run: last loops, the full graph, and every scan matched once more against the finished map.
-  void finish();
-
-  // What follows waits for the batch in work: it is the same with any number of threads.
-
-  /// One pose of the base per scan that was added, in that order. Before finish() as far as is known.
-  std::vector<Pose2> trajectory() const;
-  /// The pose of one scan as the map has it now; empty while its keyframe waits to be handed to the backend.
-  std::optional<Pose2> pose_on_map(std::size_t scan) const;
-  /// Keyframes that the map is drawn from: all, or those of the largest piece (slam.largest_piece).
-  std::vector<std::size_t> drawn_keyframes() const;
-  /// Of each scan: 0 where it stands in no part of the map, since nothing ties its piece to it; else 1.
-  std::vector<char> on_map() const;
-  /// How many stand in no part of it.
-  std::size_t scans_left_out() const;
-  /// The map that these keyframes' scans draw from their poses as they stand.
-  OccupancyGrid render_map() const;
-  /// Glass and black surfaces that the same scans show, none where the robot drove. @param grid  the rendered map
-  std::vector<GlassPane> find_glass_panes(const OccupancyGrid& grid) const;
-  /// The trajectory as laser odometry alone saw it.
-  std::vector<Pose2> odometry_trajectory() const;
-  /// CPU time of this thread that the last add() spent on loops and graph [s]; the rest of it was tracking.
-  double last_backend_cpu_s() const { return backend_cpu_s_; }
-  const std::vector<ScanRecord>& records() const { return records_; }
-  const Backend& backend() const;
-  const Tracker& tracker() const { return tracker_; }
-  /// Scans kept: all, or those of keyframes without polish; none in bounded-memory mode.
-  const ScanStore& scans() const { return store_; }
+/// A run as a value: all that is needed to go on with the same bytes. Copies share it.
+class SlamState {
+ public:
+  struct Data;
+  explicit SlamState(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+  const Data& data() const { return *data_; }
+  std::size_t scans() const;
 
  private:
-  struct Worker;
-  void take(std::vector<TrackedKeyframe> keyframes);
-  void hand_over();
-  PlacedScan placed_keyframe(std::size_t i) const;
-  std::vector<Pose2> anchored(const std::vector<Pose2>& keyframe_poses) const;
+  std::shared_ptr<const Data> data_;
+};
 
-  SlamOptions options_;
-  int threads_;
-  Tracker tracker_;
-  std::unique_ptr<Backend> backend_;
-  std::unique_ptr<Worker> worker_;
-  ScanStore store_;
-  std::vector<ScanRecord> records_;
-  std::vector<Pose2> polished_;  // T_map_base at the stamp, when polish has run
-  struct KeyframeScan {
-    std::int64_t scan = 0;            // its record
-    std::size_t stored = 0;           // its number in the store
-    std::shared_ptr<const Scan> own;  // in bounded-memory mode
-  };
-  std::deque<KeyframeScan> keyframe_scans_;  // of keyframes that the tracker has not handed out yet
-  std::vector<Keyframe> batch_;
-  Pose2 T_odom_keyframe_;
-  std::int32_t keyframes_ = 0;
-  std::vector<std::int32_t> breaks_;  // keyframes at which a new local map was begun
-  double backend_cpu_s_ = 0.0;
+/// Tracks, closes loops and keeps the map's poses straight.
+class Slam {
+ public:
+  /// @param executor  runs loops and graph beside `add`; null: they run inside it. It must outlive this object.
+  /// @throws std::invalid_argument naming the option out of bounds.
+  explicit Slam(const SlamOptions& options = {}, Schedule schedule = Schedule::kDeterministic,
+                Executor* executor = nullptr);
+  /// Goes on from a state: under kDeterministic with the same bytes as the run that it was taken from.
+  Slam(const SlamState& state, const SlamOptions& options, Schedule schedule = Schedule::kDeterministic,
+       Executor* executor = nullptr);
+  ~Slam();
+  Slam(Slam&&) noexcept;
+  Slam& operator=(Slam&&) noexcept;
+
+  /// The next measurement. Messages that repeat the one before are noticed and count once.
+  /// @throws std::invalid_argument for a mounting or a wheel pose that is not finite
+  ScanUpdate add(const RangeMeasurement& measurement);
+
+  /// T_map_base at another time, going on as at the last scan; empty before the first tracked scan, where the time is
+  /// more than a second away, and while lost.
+  std::optional<Pose2> predict(Stamp stamp) const;
+
+  /// The map as the last result left it. Never waits, never null.
+  std::shared_ptr<const MapSnapshot> map() const;
+
+  /// Null: none. It must outlive this object or be taken away before.
+  void set_observer(SlamObserver* observer);
+
+  /// All of the run so far, the batch in work included. Waits for it.
+  SlamState checkpoint();
+
+  /// Last loops, the full graph, every scan matched once more against the finished map (slam.polish), the map and its
+  /// glass. No `add` afterwards. @throws std::logic_error when called twice
+  SlamResult finish();
+
+  std::size_t scans() const;
+  const SlamOptions& options() const;
+  /// CPU time of this thread that the last add() spent on loops and graph [s]; the rest of it was tracking.
+  double last_backend_cpu_s() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace phasescan

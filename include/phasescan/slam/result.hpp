@@ -1,0 +1,107 @@
+/// What a run of SLAM leaves: poses, graph, map, and what was odd.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/core/time.hpp"
+#include "phasescan/map/trinary_map.hpp"
+#include "phasescan/odometry/odometry.hpp"
+#include "phasescan/slam/scan_update.hpp"
+
+namespace phasescan {
+
+/// What is odd about the input, by kind.
+struct InputOddity {
+  std::size_t count = 0;
+  bool damage = false;  ///< the input is broken there, not only unusual
+  ScanId first = 0;     ///< scan at which it was first seen
+  std::string what;     ///< what it was there
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("count", self.count);
+    v("damage", self.damage);
+    v("first", self.first);
+    v("what", self.what);
+  }
+};
+
+/// How many loops there were.
+struct LoopCounts {
+  std::size_t compared = 0;               ///< pairs of visits that were matched
+  std::size_t places = 0;                 ///< found by what they look like, before they were compared
+  std::size_t found = 0;                  ///< matches good enough to be a loop
+  std::size_t accepted = 0;               ///< and not undone since
+  std::size_t undone = 0;                 ///< once accepted, taken out again because the graph contradicts them
+  std::size_t rejected_inconsistent = 0;  ///< never found others that agree
+  /// Loops of the graph now: at the end all keyframes are compared with their neighbours again, which is in none of the
+  /// counts above.
+  std::size_t in_graph = 0;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("compared", self.compared);
+    v("places", self.places);
+    v("found", self.found);
+    v("accepted", self.accepted);
+    v("undone", self.undone);
+    v("rejected_inconsistent", self.rejected_inconsistent);
+    v("in_graph", self.in_graph);
+  }
+};
+
+/// A keyframe on the map: a node of the graph.
+struct MapKeyframe {
+  Pose2 T_map_base;  ///< in the middle of its scan's turn
+  ScanId scan = 0;
+  std::int32_t piece = 0;  ///< which of the map's pieces: nothing ties one to another
+};
+
+/// A tie between two keyframes.
+struct MapEdge {
+  std::int32_t from = 0, to = 0;  ///< indices of keyframes
+  Pose2 T_from_to;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  ///< of (x, y, theta), frame of `to`
+  bool loop = false;                                          ///< else a step of odometry
+  bool enabled = true;                                        ///< false: a loop that was taken out again
+};
+
+/// One measurement in the end.
+struct ScanResult {
+  Stamp stamp = 0;
+  TrackingStatus status = TrackingStatus::kInitialising;
+  bool repeated = false;
+  bool on_map = true;          ///< false: it stands in a piece that nothing ties to the map drawn
+  std::int32_t keyframe = -1;  ///< the keyframe before it, -1: none yet
+  Pose2 T_map_base;            ///< at its stamp
+  Pose2 T_odom_base;           ///< as tracking alone saw it
+  /// Of T_map_base as it was known when the scan came; of (x, y, theta). Empty in bounded-memory mode.
+  std::optional<Eigen::Matrix3d> covariance;
+};
+
+/// The finished run: all that outputs need.
+struct SlamResult {
+  std::vector<ScanResult> scans;  ///< one per measurement, in order
+  std::vector<MapKeyframe> keyframes;
+  std::vector<MapEdge> edges;
+  std::vector<char> drawn;  ///< of each keyframe: whether the map is drawn from it
+  std::int32_t pieces = 0;
+  TrinaryMap map;  ///< sure glass is occupied in it (glass.block)
+  std::vector<GlassPane> glass;
+  LoopCounts loops;
+  WheelCounts wheels;
+  std::map<std::string, InputOddity> oddities;
+
+  std::size_t scans_left_out() const;
+  std::vector<Pose2> trajectory() const;           ///< T_map_base of each scan
+  std::vector<Pose2> odometry_trajectory() const;  ///< T_odom_base of each scan
+};
+
+}  // namespace phasescan

@@ -1,0 +1,199 @@
+#include "slam/graph_session.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "odometry/information.hpp"
+#include "slam/edge_information.hpp"
+
+namespace phasescan {
+namespace {
+
+// When the graph is optimised.
+constexpr int kNodesPerOptimize = 60;  // loops with a small error hardly move the map and can wait for so many nodes
+constexpr int kIterations = 4, kLargeIterations = 15, kUndoIterations = 5, kWithoutKernelIterations = 25,
+              kReplaceIterations = 30;
+
+// Way that counts as travelled without confirmation.
+constexpr double kMetresPerRad = 0.3;    // a turn of one radian
+constexpr double kUsualSigmaM = 0.05;    // standard deviation of a step in its weakest direction that adds nothing
+constexpr double kMetresPerSigma = 100;  // what lies above it: errors along one corridor are of one kind and add up
+
+// Standard deviations that a step keeps whatever its match claims to know [m], [rad].
+constexpr double kStepWeakM = 1.0, kStepWeakRad = 0.5;
+constexpr double kBreakInformation =
+    0.1;  // of the guess that ties a node to the one before a break, each of x, y, theta
+
+constexpr double kOutOfReachM = 1.0;   // a loop that is off by more has no weight left under the robust kernel
+constexpr double kNoKernel = 1e6;      // width of the kernel in standard deviations: no loop is that far off
+constexpr double kMostStepChi2 = 6.0;  // mean over steps of three numbers each: twice what noise alone gives
+constexpr double kTakeBack = 0.3;      // share of loops.undo_chi2 below which an undone loop is taken back
+
+}  // namespace
+
+GraphSession::GraphSession(const LoopOptions& options, GraphSessionState state)
+    : options_(options), state_(std::move(state)) {}
+
+Pose2 GraphSession::predict(const Keyframe& keyframe) const {
+  const SubmittedKeyframe& last = state_.submitted.back();
+  return poses()[static_cast<std::size_t>(last.node)] * last.T_node_keyframe() *
+         (state_.T_odom_last.inverse() * keyframe.T_odom_base);
+}
+
+Pose2 GraphSession::T_map_odom() const {
+  const SubmittedKeyframe& last = state_.submitted.back();
+  return poses()[static_cast<std::size_t>(last.node)] * last.T_node_keyframe() * state_.T_odom_last.inverse();
+}
+
+void GraphSession::submit(const Keyframe& keyframe, int node, const Pose2& T_node_keyframe) {
+  const Pose2& T_odom = keyframe.T_odom_base;
+  state_.submitted.push_back({node, static_cast<float>(T_node_keyframe.x), static_cast<float>(T_node_keyframe.y),
+                              static_cast<float>(T_node_keyframe.theta), static_cast<float>(T_odom.x),
+                              static_cast<float>(T_odom.y), static_cast<float>(T_odom.theta)});
+  state_.T_odom_last = T_odom;
+}
+
+int GraphSession::insert_node(Keyframe keyframe) {
+  int node = 0;
+  if (state_.keyframes.empty()) {
+    node = state_.graph.add_node(keyframe.T_odom_base);
+    state_.travelled_m.push_back(0.0);
+  } else {
+    const SubmittedKeyframe& last = state_.submitted.back();
+    const Pose2 step = last.T_node_keyframe() * (state_.T_odom_last.inverse() * keyframe.T_odom_base);
+    node = state_.graph.add_node(poses()[static_cast<std::size_t>(last.node)] * step);
+    add_step(keyframe, node, step);
+  }
+  submit(keyframe, node, {});
+  state_.keyframes.push_back(std::move(keyframe));
+  return node;
+}
+
+void GraphSession::add_step(const Keyframe& keyframe, int node, const Pose2& step) {
+  const double way =
+      std::hypot(step.x, step.y) + kMetresPerRad * std::abs(step.theta) + (keyframe.new_segment ? kBreakM : 0.0);
+  state_.unconfirmed_m += way;
+  state_.travelled_m.push_back(state_.travelled_m.back() + way);
+  PoseEdge edge;
+  edge.from = state_.submitted.back().node;
+  edge.to = node;
+  edge.T_from_to = step;
+  if (keyframe.new_segment) {
+    edge.information = Eigen::Vector3d::Constant(kBreakInformation).asDiagonal();
+  } else {
+    edge.information = edge_information(keyframe.information, kStepWeakM, kStepWeakRad);
+    state_.unconfirmed_m += kMetresPerSigma * std::max(0.0, largest_deviation(edge.information) - kUsualSigmaM);
+  }
+  state_.graph.add_edge(edge);
+}
+
+void GraphSession::attach_to_node(const Keyframe& keyframe, const Pose2& T_map_base) {
+  const auto nearer = [&T_map_base](const Pose2& a, const Pose2& b) {
+    return translation_distance(T_map_base, a) < translation_distance(T_map_base, b);
+  };
+  const auto nearest = std::min_element(poses().begin(), poses().end(), nearer);
+  submit(keyframe, static_cast<int>(nearest - poses().begin()), nearest->inverse() * T_map_base);
+}
+
+namespace {
+
+PoseEdge edge_of(const Loop& loop) {
+  PoseEdge edge;
+  edge.from = loop.from;
+  edge.to = loop.to;
+  edge.T_from_to = loop.T_from_to;
+  edge.information = loop.information;
+  edge.robust = true;
+  return edge;
+}
+
+}  // namespace
+
+void GraphSession::add_loop(const Loop& loop) {
+  const Pose2 error = poses()[static_cast<std::size_t>(loop.to)].inverse() *
+                      (poses()[static_cast<std::size_t>(loop.from)] * loop.T_from_to);
+  const double off = std::hypot(error.x, error.y);
+  const int edge = state_.graph.add_edge(edge_of(loop));
+  ++state_.new_edges;
+  if (off > options_.small_error_m) {
+    state_.large_correction = true;
+    if (off > kOutOfReachM) state_.large_loops.push_back(edge);
+  }
+}
+
+bool GraphSession::optimize_if_due() {
+  const bool many = state_.new_edges > 0 && last_node() + 1 - state_.nodes_at_optimize >= kNodesPerOptimize;
+  if (!state_.large_correction && !many) return false;
+  optimize(state_.large_correction ? kLargeIterations : kIterations);
+  return true;
+}
+
+void GraphSession::optimize(int max_iterations) {
+  if (!state_.large_loops.empty()) optimise_without_kernel();
+  state_.large_loops.clear();
+  GraphOptions options;
+  options.max_iterations = max_iterations;
+  state_.graph.optimize(options);
+  undo_contradicted();
+  ++state_.optimisations;
+  state_.nodes_at_optimize = last_node() + 1;
+  state_.new_edges = 0;
+  state_.large_correction = false;
+}
+
+void GraphSession::optimise_without_kernel() {
+  PoseGraph& graph = state_.graph;
+  const std::vector<Pose2> before = graph.poses();
+  GraphOptions options;
+  options.max_iterations = kWithoutKernelIterations;
+  options.kernel_width = kNoKernel;
+  graph.optimize(options);
+  int first = static_cast<int>(before.size());
+  for (const int i : state_.large_loops) first = std::min(first, graph.edges()[static_cast<std::size_t>(i)].from);
+  double chi2 = 0.0;
+  int steps = 0;
+  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+    const PoseEdge& edge = graph.edges()[i];
+    if (edge.robust || edge.from < first) continue;
+    chi2 += graph.edge_chi2(static_cast<int>(i));
+    ++steps;
+  }
+  if (chi2 <= kMostStepChi2 * steps) return;
+  for (std::size_t k = 0; k < before.size(); ++k) graph.set_pose(static_cast<int>(k), before[k]);
+  for (const int i : state_.large_loops) graph.set_enabled(i, false);
+}
+
+void GraphSession::undo_contradicted() {
+  PoseGraph& graph = state_.graph;
+  bool changed = false;
+  for (std::size_t i = 0; i < graph.edges().size(); ++i) {
+    const PoseEdge& edge = graph.edges()[i];
+    if (!edge.robust) continue;
+    const double chi2 = graph.edge_chi2(static_cast<int>(i));
+    const bool undo = edge.enabled && chi2 > options_.undo_chi2;
+    const bool take_back = !edge.enabled && chi2 < kTakeBack * options_.undo_chi2;
+    if (!undo && !take_back) continue;
+    graph.set_enabled(static_cast<int>(i), take_back);
+    changed = true;
+  }
+  if (!changed) return;
+  GraphOptions options;
+  options.max_iterations = kUndoIterations;
+  graph.optimize(options);
+}
+
+void GraphSession::replace_loops(std::span<const Loop> loops) {
+  PoseGraph& graph = state_.graph;
+  std::vector<char> reached(state_.keyframes.size(), 0);
+  for (const Loop& loop : loops) reached[static_cast<std::size_t>(loop.to)] = 1;
+  std::vector<char> keep;
+  keep.reserve(graph.edges().size());
+  for (const PoseEdge& edge : graph.edges())
+    keep.push_back(!edge.robust || (edge.enabled && !reached[static_cast<std::size_t>(edge.to)]));
+  graph.keep_edges(keep);
+  for (const Loop& loop : loops) graph.add_edge(edge_of(loop));
+  state_.new_edges += loops.size();
+  optimize(kReplaceIterations);
+}
+
+}  // namespace phasescan

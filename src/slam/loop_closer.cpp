@@ -1,0 +1,171 @@
+#include "slam/loop_closer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "odometry/information.hpp"
+#include "slam/edge_information.hpp"
+#include "slam/visit_match.hpp"
+
+namespace phasescan {
+namespace {
+
+constexpr double kDriftPerMetre = 0.01;  // how far the map may drift for each unconfirmed metre
+constexpr double kMostDriftM = 3.0;      // what is off by more is found by its looks, not by its pose
+
+// Visits.
+constexpr int kAnchorStep = 4;       // anchors are multiples of it, so that neighbours share a map
+constexpr int kVisitGapNodes = 10;   // nodes out of reach that part one visit from the next
+constexpr double kViewWeight = 0.5;  // of the distance between what two keyframes look at, against that of their poses
+
+// Between pieces that nothing ties yet more overlap is asked, but never more than a good match of one place has.
+constexpr double kUntiedOverlap = 0.2, kMostOverlapAsked = 0.9;
+
+// Standard deviations that a loop keeps whatever its match claims to know [m], [rad].
+constexpr double kLoopWeakM = 3.0, kLoopWeakRad = 0.5;
+
+double drift_m(const GraphSession& session) {
+  return std::min(kMostDriftM, kDriftPerMetre * session.unconfirmed_m());
+}
+
+}  // namespace
+
+LoopCloser::LoopCloser(const SlamOptions& options, LoopCloserState state)
+    : options_(options.loops),
+      state_(std::move(state)),
+      consistency_(options.loops, std::move(state_.consistency)),
+      visit_maps_(options.odometry) {}
+
+LoopCloserState LoopCloser::state() const {
+  LoopCloserState state = state_;
+  state.consistency = consistency_.state();
+  return state;
+}
+
+std::vector<int> LoopCloser::nearby_visits(int node, int max_other, const GraphSession& session,
+                                           const Connectivity& connectivity) const {
+  // Runs of nodes near this one, apart in time; of each run the one that looks most at the same place.
+  struct Visit {
+    int anchor;
+    double far;
+  };
+  const auto& poses = session.poses();
+  const auto& keyframes = session.keyframes();
+  const Pose2& here = poses[static_cast<std::size_t>(node)];
+  const Eigen::Vector2d centre = here * keyframes[static_cast<std::size_t>(node)].centre;
+  const double radius = options_.near_radius_m + drift_m(session);
+  std::vector<Visit> visits;
+  int last = -1000;
+  for (int k = 0; k <= max_other; ++k) {
+    if (std::abs(k - node) < options_.min_nodes_apart && connectivity.tied(k, node)) continue;
+    const Pose2& there = poses[static_cast<std::size_t>(k)];
+    const double distance = translation_distance(here, there);
+    if (distance > radius) continue;
+    const double views = (there * keyframes[static_cast<std::size_t>(k)].centre - centre).norm();
+    const double far = distance + kViewWeight * views;
+    if (k - last > kVisitGapNodes) {
+      visits.push_back({k, far});
+    } else if (far < visits.back().far) {
+      visits.back() = {k, far};
+    }
+    last = k;
+  }
+  std::stable_sort(visits.begin(), visits.end(), [](const Visit& a, const Visit& b) { return a.far < b.far; });
+  std::vector<int> anchors;
+  for (const Visit& v : visits) {
+    if (anchors.size() >= static_cast<std::size_t>(options_.clusters_per_node)) break;
+    anchors.push_back(v.anchor);
+  }
+  return anchors;
+}
+
+std::optional<Loop> LoopCloser::compare(int other, int node, const Pose2& T_map_node, double uncertainty_m,
+                                        const GraphSession& session) {
+  const int anchor = std::min(session.last_node(), (other + kAnchorStep / 2) / kAnchorStep * kAnchorStep);
+  if (std::abs(anchor - node) <= kVisitNodes) return std::nullopt;
+  const LocalMap& map = visit_maps_.around(anchor, session);
+  ++state_.compared;
+  session.keyframes()[static_cast<std::size_t>(node)].points->unpack(points_);
+  const std::optional<Registration> found =
+      match_visit(map, points_, map.T_world_map().inverse() * T_map_node, uncertainty_m, options_.min_overlap);
+  if (!found) return std::nullopt;
+  ++state_.found;
+  Loop loop;
+  loop.from = anchor;
+  loop.to = node;
+  loop.T_from_to =
+      session.poses()[static_cast<std::size_t>(anchor)].inverse() * (map.T_world_map() * found->T_map_base);
+  loop.information = edge_information(kMatchTrust * rotate_information(found->information, -found->T_map_base.theta),
+                                      kLoopWeakM, kLoopWeakRad);
+  loop.overlap = found->overlap;
+  return loop;
+}
+
+std::vector<Loop> LoopCloser::search(int node, const GraphSession& session, PlaceSearch& places,
+                                     Connectivity& connectivity) {
+  std::vector<Loop> accepted;
+  const double uncertainty_m = drift_m(session);
+  const bool broke = connectivity.segments() > 1;  // what was just before may be another piece
+  const int newest = broke ? node - 1 : node - options_.min_nodes_apart;
+  for (const int visit : nearby_visits(node, newest, session, connectivity)) {
+    const std::optional<Loop> loop =
+        compare(visit, node, session.poses()[static_cast<std::size_t>(node)], uncertainty_m, session);
+    if (!loop) continue;
+    for (const Loop& l : submit(*loop, session, connectivity)) accepted.push_back(l);
+  }
+  if (options_.places) search_places(node, session, places, connectivity, accepted);
+  return accepted;
+}
+
+void LoopCloser::search_places(int node, const GraphSession& session, PlaceSearch& places, Connectivity& connectivity,
+                               std::vector<Loop>& accepted) {
+  const auto& poses = session.poses();
+  const double here_m = session.travelled_m(node);
+  const bool search = here_m - state_.travelled_at_place_m >= options_.places_after_m;
+  for (const PlaceMatch& place : places.add(session.keyframes(), poses, search)) {
+    const Pose2 T_map_node = poses[static_cast<std::size_t>(place.node)] * place.T_node_query;
+    // Rooms look alike; but the way between them is known too, and the map is not off by more than that allows.
+    const double off = translation_distance(T_map_node, poses[static_cast<std::size_t>(node)]);
+    if (off > options_.near_radius_m && off > options_.most_drift * (here_m - session.travelled_m(place.node)))
+      continue;
+    ++state_.places;
+    const std::optional<Loop> loop = compare(place.node, node, T_map_node, 0.0, session);
+    if (!loop) continue;
+    for (const Loop& l : submit(*loop, session, connectivity)) accepted.push_back(l);
+    if (off < options_.small_error_m) state_.travelled_at_place_m = here_m;
+  }
+}
+
+std::vector<Loop> LoopCloser::submit(const Loop& loop, const GraphSession& session, Connectivity& connectivity) {
+  return accept(consistency_, loop, session, connectivity);
+}
+
+std::vector<Loop> LoopCloser::accept(LoopConsistency& consistency, const Loop& loop, const GraphSession& session,
+                                     Connectivity& connectivity) {
+  const bool tied = connectivity.tied(loop.from, loop.to);
+  if (!tied && loop.overlap < std::min(kMostOverlapAsked, options_.min_overlap + kUntiedOverlap)) {
+    ++state_.weak;
+    return {};
+  }
+  std::vector<Loop> accepted =
+      consistency.add(loop, session.poses(), tied ? SmallLoops::kAccepted : SmallLoops::kMustBeAgreedOn);
+  // Those that waited may tie other pieces than this one.
+  for (const Loop& l : accepted) connectivity.tie(l.from, l.to);
+  return accepted;
+}
+
+std::vector<Loop> LoopCloser::search_all(const GraphSession& session, Connectivity& connectivity) {
+  std::vector<Loop> loops;
+  LoopConsistency consistency(options_);
+  for (int node = 0; node <= session.last_node(); ++node) {
+    for (const int visit : nearby_visits(node, session.last_node(), session, connectivity)) {
+      const std::optional<Loop> loop =
+          compare(visit, node, session.poses()[static_cast<std::size_t>(node)], 0.0, session);
+      if (!loop) continue;
+      for (const Loop& l : accept(consistency, *loop, session, connectivity)) loops.push_back(l);
+    }
+  }
+  return loops;
+}
+
+}  // namespace phasescan

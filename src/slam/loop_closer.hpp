@@ -1,0 +1,75 @@
+/// Finds loops: earlier visits of the place that a new node shows.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "phasescan/slam/options.hpp"
+#include "slam/connectivity.hpp"
+#include "slam/graph_session.hpp"
+#include "slam/loop_consistency.hpp"
+#include "slam/place_search.hpp"
+#include "slam/visit_maps.hpp"
+
+namespace phasescan {
+
+struct LoopCloserState {
+  static constexpr int kVersion = 1;
+  LoopConsistencyState consistency;
+  std::size_t compared = 0;  ///< pairs of visits that were matched
+  std::size_t places = 0;    ///< of these, found by what they look like
+  std::size_t found = 0;     ///< matches good enough to be a loop
+  std::size_t weak = 0;      ///< of these, rejected at once: between pieces that nothing ties, with too little overlap
+  double travelled_at_place_m = 0.0;  ///< of the last node at which a place looked as the map has it
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("consistency", self.consistency);
+    v("compared", self.compared);
+    v("places", self.places);
+    v("found", self.found);
+    v("weak", self.weak);
+    v("travelled_at_place_m", self.travelled_at_place_m);
+  }
+};
+
+/// Chooses earlier visits near a node on the map, and places that look alike anywhere, matches them, and says which
+/// loops are accepted. Reads the graph; the caller puts the loops into it.
+class LoopCloser {
+ public:
+  explicit LoopCloser(const SlamOptions& options, LoopCloserState state = {});
+
+  /// The loops that are accepted now that `node`, the newest, is there; they tie their pieces in `connectivity`.
+  /// @cost O(nodes) and up to loops.clusters_per_node + loops.place_candidates matches
+  std::vector<Loop> search(int node, const GraphSession& session, PlaceSearch& places, Connectivity& connectivity);
+  /// A loop that was found elsewhere. @return what is accepted with it
+  std::vector<Loop> submit(const Loop& loop, const GraphSession& session, Connectivity& connectivity);
+  /// With the map in place: every node is compared with its neighbours of all times, the later ones too.
+  /// @cost O(nodes^2) distances and up to loops.clusters_per_node matches a node
+  std::vector<Loop> search_all(const GraphSession& session, Connectivity& connectivity);
+  /// No more loops come: those that wait are rejected.
+  void close() { consistency_.close(); }
+
+  LoopCloserState state() const;
+  /// Loops that were rejected since they agreed with too few others.
+  std::size_t rejected_inconsistent() const { return state_.weak + consistency_.rejected(); }
+
+ private:
+  std::vector<Loop> accept(LoopConsistency& consistency, const Loop& loop, const GraphSession& session,
+                           Connectivity& connectivity);
+  std::vector<int> nearby_visits(int node, int max_other, const GraphSession& session,
+                                 const Connectivity& connectivity) const;
+  std::optional<Loop> compare(int other, int node, const Pose2& T_map_node, double uncertainty_m,
+                              const GraphSession& session);
+  void search_places(int node, const GraphSession& session, PlaceSearch& places, Connectivity& connectivity,
+                     std::vector<Loop>& accepted);
+
+  LoopOptions options_;
+  LoopCloserState state_;  // but for its consistency
+  LoopConsistency consistency_;
+  VisitMaps visit_maps_;
+  MapPoints points_;  // of the node that is compared
+};
+
+}  // namespace phasescan

@@ -1,0 +1,63 @@
+/// A run of SLAM as a value.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "odometry/state.hpp"
+#include "phasescan/slam/slam.hpp"
+#include "slam/backend_runner.hpp"
+#include "slam/input_check.hpp"
+#include "slam/scan_ledger.hpp"
+#include "slam/scan_store.hpp"
+
+namespace phasescan {
+
+/// A measurement's scan as keyframes have it: in the store, or by itself in bounded-memory mode.
+struct KeptScan {
+  ScanId scan = 0;
+  std::shared_ptr<const StoredScan> stored;
+  std::shared_ptr<const Scan> own;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("scan", self.scan);
+    v("stored", self.stored);
+    v("own", self.own);
+  }
+};
+
+/// All that is needed to go on with the same bytes; caches (local maps, indices, matchers) are made anew.
+struct SlamState::Data {
+  static constexpr int kVersion = 1;
+  OdometryState odometry;
+  BackendState backend;  ///< after the batch that was in work
+  InputCheckState input;
+  ScanLedger ledger;
+  ScanStore store;
+  std::vector<Keyframe> batch;  ///< keyframes that wait to be handed over
+  ScanUpdate last;
+  Pose2 T_odom_keyframe;                                          ///< of the newest keyframe, at mid-scan
+  Eigen::Matrix3d keyframe_covariance = Eigen::Matrix3d::Zero();  ///< of its pose in odom
+  std::optional<KeptScan> first;                 ///< the first tracked scan, while its keyframe waits for the next one
+  std::shared_ptr<const BackendResult> entered;  ///< what the tracker's side sees of the map; null before the first
+  std::shared_ptr<const BackendResult> pending;  ///< the result of the last batch, which has not entered yet
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("odometry", self.odometry);
+    v("backend", self.backend);
+    v("input", self.input);
+    v("ledger", self.ledger);
+    v("store", self.store);
+    v("batch", self.batch);
+    v("last", self.last);
+    v("T_odom_keyframe", self.T_odom_keyframe);
+    v("keyframe_covariance", self.keyframe_covariance);
+    v("first", self.first);
+    v("entered", self.entered);
+    v("pending", self.pending);
+  }
+};
+
+}  // namespace phasescan

@@ -1,0 +1,89 @@
+#include "slam/trajectory_refinement.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/motion.hpp"
+#include "odometry/registration.hpp"
+#include "odometry/scan_clock.hpp"
+#include "scan/surface.hpp"
+#include "slam/scan_ledger.hpp"
+
+namespace phasescan {
+namespace {
+
+constexpr std::size_t kMaxKeyframes = 24;                  // that make the map of what is around one
+constexpr double kLeastPeriods = 0.3, kMostPeriods = 3.0;  // between two scans that tell of the motion during a turn
+constexpr double kMostM = 0.15, kMostRad = 0.06;           // [m] [rad] a refinement moves a pose less than this
+constexpr double kPriorM = 0.03, kPriorRad = 0.01;         // [m] [rad] standard deviation of the pose before
+constexpr double kGateM = 0.2;                             // [m] distance at which points find partners at first
+
+/// Motion of the base during a scan's turn: from the way to the next scan, or from the one before where beams are
+/// listed last to first; zero where the times between them tell nothing. Messages that repeat another are no scans of
+/// their own.
+/// @param before  the last scan that was no repetition
+Twist2 turn_twist(std::span<const ScanRecord> records, std::span<const Pose2> guess, std::size_t scan,
+                  std::size_t before, double time_increment, const ScanTiming& timing) {
+  std::size_t from = scan, to = scan;
+  if (time_increment < 0.0) {
+    from = before;
+  } else {
+    do ++to;
+    while (to < records.size() && records[to].repeated);
+  }
+  if (timing.duration_s <= 0.0 || timing.period_s <= 0.0 || to >= records.size()) return {};
+  const double step_s = stamp_to_seconds(records[to].stamp - records[from].stamp);
+  if (step_s <= kLeastPeriods * timing.period_s || step_s >= kMostPeriods * timing.period_s) return {};
+  return mean_twist(guess[from].inverse() * guess[to], step_s);
+}
+
+/// The pose near `T_map_base` that lays the points on the map; the same where the match fails or moves it far.
+Pose2 refine_pose(const LocalMap& map, const MapPoints& points, const Pose2& T_map_base, double min_overlap) {
+  PosePrior prior;
+  prior.T_map_base = map.T_world_map().inverse() * T_map_base;
+  prior.information.diagonal() << 1.0 / (kPriorM * kPriorM), 1.0 / (kPriorM * kPriorM), 1.0 / (kPriorRad * kPriorRad);
+  RegistrationOptions fine;
+  fine.gate_start_m = kGateM;
+  const Registration found = register_points(map, points, prior.T_map_base, fine, prior);
+  const Pose2 moved = prior.T_map_base.inverse() * found.T_map_base;
+  if (found.overlap < min_overlap || std::hypot(moved.x, moved.y) > kMostM || std::abs(moved.theta) > kMostRad)
+    return T_map_base;
+  return map.T_world_map() * found.T_map_base;
+}
+
+}  // namespace
+
+std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& scans, std::span<const Pose2> guess,
+                                     std::span<const ScanRecord> records, const OdometryOptions& options) {
+  std::vector<Pose2> out(guess.begin(), guess.end());
+  LocalMap map;
+  SurfaceWorkspace work;
+  SurfacePoints surface;
+  MapPoints points;
+  ScanClock clock;
+  int built_for = -1;
+  std::size_t before = 0;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const Scan scan = scans.scan(i);
+    const ScanTiming timing = clock.add(scan);
+    if (records[i].keyframe < 0) continue;
+    if (records[i].repeated) {
+      out[i] = out[i - 1];
+      continue;
+    }
+    if (records[i].keyframe != built_for) {
+      built_for = records[i].keyframe;
+      backend.build_surroundings(built_for, kMaxKeyframes, map);
+    }
+    Twist2 twist;
+    if (options.deskew) twist = turn_twist(records, guess, i, before, scan.time_increment, timing);
+    before = i;
+    const Pose2& T_base_laser = scans.T_base_laser(i);
+    find_surface(scan, twist_of_frame(T_base_laser, twist), work, surface, kTrackingLines);
+    to_map_points(surface, T_base_laser, options.map_range_m, points);
+    out[i] = refine_pose(map, points, guess[i], options.min_overlap);
+  }
+  return out;
+}
+
+}  // namespace phasescan
