@@ -12,7 +12,7 @@
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
-#include "phasescan/io/measurement.hpp"
+#include "phasescan/io/log.hpp"
 #include "io/odometry_source.hpp"
 #include "slam_mcap.hpp"
 #include "slam_output.hpp"

@@ -3,7 +3,6 @@
 #include <exception>
 #include <fstream>
 #include <phasescan/io/log.hpp>
-#include <phasescan/io/measurement.hpp>
 #include <phasescan/slam/slam.hpp>
 #include <string>
 #include <utility>

@@ -4,7 +4,6 @@
 #include <phasescan/io/error.hpp>
 #include <phasescan/io/log.hpp>
 #include <phasescan/io/log_writer.hpp>
-#include <phasescan/io/measurement.hpp>
 #include <string>
 #include <vector>
 

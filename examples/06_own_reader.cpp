@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <fstream>
 #include <phasescan/io/log.hpp>
-#include <phasescan/io/measurement.hpp>
 #include <phasescan/match/scan_matcher.hpp>
 #include <sstream>
 #include <string>

@@ -47,15 +47,24 @@ void add_edge(const StopBeams& stop, std::size_t last, EdgeSums& sums) {
       sums.counts[d] += 1.0;
     }
   }
-  // A beam that says something in between as a rule sees a third surface.
   for (const std::size_t beam : {last, last + 1}) {
-    const double median = stop.beams[beam].range;
-    if (!(std::abs(median - near[1]) < kNear_m || std::abs(median - far[1]) < kFar_m)) continue;
+    double answers = 0.0, between = 0.0, sum = 0.0, sum2 = 0.0;
     for (const auto& scan : stop.stop.ranges) {
-      if (std::isnan(scan[beam])) continue;
-      sums.answers += 1.0;
-      sums.between += scan[beam] > near[1] + kLeave_near_m && scan[beam] < far[1] - kLeave_far_m ? 1.0 : 0.0;
+      const double range = scan[beam];
+      if (std::isnan(range)) continue;
+      answers += 1.0;
+      if (range < near[1] + kLeave_near_m || range > far[1] - kLeave_far_m) continue;
+      between += 1.0;
+      sum += range;
+      sum2 += range * range;
     }
+    // What it says in between lies anywhere between the two; a third surface is always at the same range.
+    constexpr double kScatter = 0.1;
+    const double mean = sum / std::max(1.0, between), spread = sum2 / std::max(1.0, between) - mean * mean;
+    const bool third = between > 0.5 * answers && spread < std::pow(kScatter * (far[1] - near[1]), 2);
+    if (third) continue;
+    sums.answers += answers;
+    sums.between += between;
   }
 }
 

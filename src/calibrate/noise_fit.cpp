@@ -92,7 +92,10 @@ void fit_turn(std::span<const ScanTurns> all, NoiseFit& fit) {
     freedom += n - 1.0;
   }
   fit.turns = static_cast<std::size_t>(count);
-  fit.turn_variance = freedom > 0.0 ? std::max(0.0, squares / freedom - own / count) : 0.0;
+  if (freedom <= 0.0) return;
+  // What is left must be more than chance makes of so many turns.
+  const double seen = squares / freedom, left = seen - own / count;
+  fit.turn_variance = left > 2.0 * seen * std::sqrt(2.0 / freedom) ? left : 0.0;
 }
 
 /// Correlation of the direction errors of beams some steps apart, for 1 to kLags steps.

@@ -1,7 +1,5 @@
 #include "phasescan/io/log.hpp"
 
-#include <filesystem>
-
 #include "io/beam_geometry.hpp"
 #include "io/csv_log.hpp"
 #include "io/cut_log.hpp"
@@ -54,11 +52,6 @@ std::unique_ptr<LogReader> open_any(const std::string& path, const LogOptions& o
 std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& options) {
   auto log = open_any(path, options);
   return cuts_anything(options) ? cut_log(std::move(log), options) : std::move(log);
-}
-
-bool can_be_read_again(const std::string& path) {
-  std::error_code ignored;
-  return is_regular_file(path) || std::filesystem::is_directory(path, ignored);
 }
 
 }  // namespace phasescan

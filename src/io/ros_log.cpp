@@ -16,7 +16,7 @@ constexpr std::size_t kMostSamples = 4096;
 constexpr std::size_t kMostChannels = 4096;
 constexpr Stamp kLongestGap = kSecond;
 constexpr Stamp kNearest = kSecond / 5;
-constexpr std::size_t kMostScanFrames = 64;
+constexpr std::size_t kMostFramesOfATopic = 64;
 constexpr double kTilted_rad = 0.1;  ///< a wall 5 m away is then met half a metre too high or low
 
 /// "sensor_msgs/msg/LaserScan" and "sensor_msgs/LaserScan" are one type.
@@ -99,7 +99,8 @@ void RosLogReader::add_scan(Channel& channel, Stamp log_time, Bytes data) {
   decode_scan(channel, data);
   Pending pending;
   pending.frame = plain_frame(scan_message_.header.frame_id);
-  if (channel.frames.size() < kMostScanFrames || channel.frames.contains(pending.frame)) ++channel.frames[pending.frame];
+  if (channel.frames.size() < kMostFramesOfATopic || channel.frames.contains(pending.frame))
+    ++channel.frames[pending.frame];
   if (!frame_.empty() && pending.frame != frame_) return;
   pending.entry.scan = channel.reading.read(scan_message_);
   pending.entry.laser = channel.topic;

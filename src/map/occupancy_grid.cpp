@@ -45,6 +45,23 @@ void walk(const Eigen::Vector2d& from, const Eigen::Vector2d& direction, double 
   }
 }
 
+/// How far a missing beam surely went: to the nearer of the hits next to it on either side, 0 where one has none.
+double reach_of_missing(const Scan& scan, int beam) {
+  double reach = std::numeric_limits<double>::infinity();
+  for (const int side : {-1, 1}) {
+    double neighbour = 0.0;
+    for (int d = 1; d <= kNeighbourBeams; ++d) {
+      const int other = beam + side * d;
+      if (other < 0 || other >= static_cast<int>(scan.size())) break;
+      if (!scan.is_hit(static_cast<std::size_t>(other))) continue;
+      neighbour = static_cast<double>(scan.ranges[static_cast<std::size_t>(other)]);
+      break;
+    }
+    reach = std::min(reach, neighbour);
+  }
+  return reach;
+}
+
 }  // namespace
 
 OccupancyGrid::OccupancyGrid(const OccupancyOptions& options) : options_(options) {
@@ -151,18 +168,7 @@ void OccupancyGrid::add_scan(const Scan& scan, const Pose2& T_map_laser, const T
       continue;
     }
     if (scan.states[beam] != BeamState::kOutOfRange && scan.states[beam] != BeamState::kNoReturn) continue;
-    double reach = std::numeric_limits<double>::infinity();
-    for (const int side : {-1, 1}) {
-      double neighbour = 0.0;
-      for (int d = 1; d <= kNeighbourBeams; ++d) {
-        const int other = b + side * d;
-        if (other < 0 || other >= n) break;
-        if (!scan.is_hit(static_cast<std::size_t>(other))) continue;
-        neighbour = static_cast<double>(scan.ranges[static_cast<std::size_t>(other)]);
-        break;
-      }
-      reach = std::min(reach, neighbour);
-    }
+    const double reach = reach_of_missing(scan, b);
     if (reach <= 0.0 || missing_ == 0) continue;
     const Ray ray = ray_of(b);
     walk(ray.from, ray.direction, std::min(kMissingShare * reach, options_.max_ray_m), options_.resolution_m,

@@ -17,4 +17,14 @@ Eigen::Matrix3d positive_part(const Eigen::Matrix3d& matrix) {
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
 }
 
+Eigen::Matrix3d chain_covariance(const Pose2& T_odom_keyframe, const Eigen::Matrix3d& keyframe,
+                                 const Pose2& T_odom_base, const Eigen::Matrix3d& since) {
+  // A wrong heading of the keyframe turns the way since then about it.
+  Eigen::Matrix3d lever = Eigen::Matrix3d::Identity();
+  lever(0, 2) = -(T_odom_base.y - T_odom_keyframe.y);
+  lever(1, 2) = T_odom_base.x - T_odom_keyframe.x;
+  const Eigen::Matrix3d sum = lever * keyframe * lever.transpose() + rotate_information(since, T_odom_base.theta);
+  return 0.5 * (sum + sum.transpose());
+}
+
 }  // namespace phasescan

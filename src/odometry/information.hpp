@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "odometry/degeneracy.hpp"
+#include "phasescan/core/pose2.hpp"
 
 namespace phasescan {
 
@@ -16,5 +17,11 @@ Eigen::Matrix3d rotate_information(const Eigen::Matrix3d& matrix, double theta);
 
 /// A symmetric matrix with its negative eigenvalues set to 0.
 Eigen::Matrix3d positive_part(const Eigen::Matrix3d& matrix);
+
+/// Covariance of (x, y, theta) of T_odom_keyframe * T_keyframe_base along the axes of odom.
+/// @param keyframe  covariance of T_odom_keyframe along the axes of odom
+/// @param since     of T_keyframe_base, frame of the base
+Eigen::Matrix3d chain_covariance(const Pose2& T_odom_keyframe, const Eigen::Matrix3d& keyframe,
+                                 const Pose2& T_odom_base, const Eigen::Matrix3d& since);
 
 }  // namespace phasescan

@@ -55,7 +55,7 @@ struct MotionPrior {
   };
 
   ReliefCorrelation relief;
-  std::optional<double> likeness;  ///< of the scan just observed to the one before
+  std::optional<double> likeness;  ///< of the scan just observed to the one before; made anew with each, not kept
   int alike_in_a_row = 0;
   Usual likeness_still, likeness_moving;
   UsualStep driving, turning;
@@ -77,7 +77,6 @@ struct MotionPrior {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("relief", self.relief.relief);
-    v("likeness", self.likeness);
     v("alike_in_a_row", self.alike_in_a_row);
     v("likeness_still", self.likeness_still);
     v("likeness_moving", self.likeness_moving);

@@ -57,8 +57,20 @@ class Tracker {
   const LocalMap& map() const { return map_; }
 
  private:
-  struct Scanned;   // one scan and what was told of it before the match
-  struct Solution;  // its pose on the map
+  /// One scan and what was told of it before the match.
+  struct Scanned {
+    const RangeMeasurement& measurement;
+    MotionInput motion;
+    SearchPolicy policy;
+    Frame frame;
+    bool new_laser = false;  ///< heard for the first time
+    MotionPrediction expected;
+  };
+  /// Its pose on the map.
+  struct Solution {
+    PoseSolution pose;
+    bool first_deskewed = false;  ///< the first keyframe was changed by what was found
+  };
   Scanned begin(const RangeMeasurement& measurement);
   Frame frame_of(const RangeMeasurement& measurement, const Twist2& twist, double duration_s,
                  const SearchPolicy& policy);

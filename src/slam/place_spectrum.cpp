@@ -62,12 +62,6 @@ namespace phasescan {
 HWY_EXPORT(Butterfly);
 HWY_EXPORT(LastPass);
 
-namespace {
-
-constexpr std::size_t kSize = PlaceSpectrum::kSize, kHalf = PlaceSpectrum::kHalf;
-
-}  // namespace
-
 PlaceSpectrum::PlaceSpectrum() : root_(kSize * kHalf) {
   for (auto* part : {&re_, &im_, &re_to_, &im_to_}) part->assign(kSize * kLanes, 0.0F);
   for (std::size_t k = 0; k < kSize; ++k) {

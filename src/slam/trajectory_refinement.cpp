@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxKeyframes = 24;                  // that make the map of what is around one
 constexpr double kLeastPeriods = 0.3, kMostPeriods = 3.0;  // between two scans that tell of the motion during a turn
-constexpr double kMostM = 0.15, kMostRad = 0.06;           // [m] [rad] a refinement moves a pose less than this
+constexpr double kMostMoveM = 0.15, kMostMoveRad = 0.06;   // [m] [rad] a refinement moves a pose less than this
 constexpr double kPriorM = 0.03, kPriorRad = 0.01;         // [m] [rad] standard deviation of the pose before
 constexpr double kGateM = 0.2;                             // [m] distance at which points find partners at first
 
@@ -46,7 +46,7 @@ Pose2 refine_pose(const LocalMap& map, const MapPoints& points, const Pose2& T_m
   fine.gate_start_m = kGateM;
   const Registration found = register_points(map, points, prior.T_map_base, fine, prior);
   const Pose2 moved = prior.T_map_base.inverse() * found.T_map_base;
-  if (found.overlap < min_overlap || std::hypot(moved.x, moved.y) > kMostM || std::abs(moved.theta) > kMostRad)
+  if (found.overlap < min_overlap || std::hypot(moved.x, moved.y) > kMostMoveM || std::abs(moved.theta) > kMostMoveRad)
     return T_map_base;
   return map.T_world_map() * found.T_map_base;
 }

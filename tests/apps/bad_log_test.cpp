@@ -61,7 +61,6 @@ std::vector<Format> formats() {
        "", "", true},
       {"ticks", 360, [](const auto& r) { return "1 2 3 " + joined(r, " ") + "\n"; }, "", "# nothing\n"},
       {"breezy", 682, [breezy](const auto& r) { return breezy + " " + joined(r, " ") + " 7\n"; }, "", "# nothing\n"},
-      {"polar", 80, [](const auto& r) { return "1, 2, 0.1, " + joined(r, ", ") + "\n"; }, "", "# nothing\n", true},
       {"csv", 8, [](const auto& r) { return "1.5," + joined(r, ",") + "\n"; }, "stamp_s,ranges_m\n",
        "stamp_s,ranges_m\n", true},
   };

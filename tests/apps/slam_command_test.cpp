@@ -85,7 +85,7 @@ TEST(SlamCommand, SectionsThatItDoesNotReadAreNamed) {
   const std::string log = toy_log(60).flaser;
   two.put("options.yaml", "match: {min_confidence: 1.0}\nmh: {candidates: 1}\nicp: {max_iterations: 5}\n");
   ASSERT_EQ(slam(one, log).code, 0);
-  const CommandResult result = slam(two, log, {"--config", two / "options.yaml"});
+  const auto result = slam(two, log, {"--config", two / "options.yaml"});
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("section 'icp' is not read by slam"));
   EXPECT_THAT(result.err, Not(HasSubstr("'match'")));

@@ -75,7 +75,7 @@ TEST(Usage, AFlagWithoutAMeaningHereIsNotPassedOver) {
   const std::string poses = folder.put("t.tum", "0 0 0 0 0 0 0 1\n");
   expect_refusal({"eval", "--trajectory", poses, "--reference", poses, "--laser", "1,0,0"}, "--laser");
   const std::string two = folder.put("c.yaml", "match:\n  fast: true\n---\nmatch:\n  fast: false\n");
-  expect_refusal({"config", "--dump", "--config", two}, "c.yaml:4: a second document");
+  expect_refusal({"config", "--dump", "--config", two}, "c.yaml:3: text after the end of the YAML document");
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
@@ -165,7 +165,6 @@ TEST(Usage, ALogMayComeThroughAPipe) {
   }
   EXPECT_EQ(test::slurp(folder / "piped/trajectory.tum"), test::slurp(folder / "filed/trajectory.tum"));
   EXPECT_FALSE(test::slurp(folder / "piped/trajectory.tum").empty());
-  expect_refusal({"slam", pipe, "--out", folder / "out", "--mcap", folder / "out.mcap"}, "is a pipe; expected a file");
   expect_refusal({"info", "-"}, "standard input:1: the file is empty");
 }
 

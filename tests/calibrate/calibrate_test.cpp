@@ -198,7 +198,7 @@ TEST(StandstillTable, TheSimulatedA1LooksLikeTheRecordedOne) {
   // Rooms differ in how many beams of a row meet walls at an angle: three buildings, as one recording has many places.
   std::vector<LogEntry> log;
   for (const std::uint64_t seed : {1, 2, 3}) {
-    const auto more = test::stops_log(sim::read_lidar("rplidar-a1-real"), {.stops = 40, .scans = 16, .seed = seed});
+    const auto more = test::stops_log(sim::read_lidar("rplidar-a1-lossy"), {.stops = 25, .scans = 16, .seed = seed});
     log.insert(log.end(), more.begin(), more.end());
   }
   const auto got = test::calibrate(log);
@@ -210,12 +210,12 @@ TEST(StandstillTable, TheSimulatedA1LooksLikeTheRecordedOne) {
     EXPECT_NEAR(1000.0 * row->steep, recorded.steep, 0.25 * recorded.steep) << recorded.from;
   }
   EXPECT_NEAR(got->table.turn_steps, 0.118, 0.02);
-  EXPECT_NEAR(got->table.present, 0.85, 0.04);
-  EXPECT_NEAR(got->table.come_and_go, 0.63, 0.08);
+  EXPECT_NEAR(got->table.present, 0.85, 0.05);
+  EXPECT_NEAR(got->table.come_and_go, 0.63, 0.1);
 }
 
 TEST(StandstillTable, TheOldA1DoesNot) {
-  const auto got = test::calibrate(test::stops_log(sim::read_lidar("rplidar-a1"), {.stops = 30}));
+  const auto got = test::calibrate(test::stops_log(sim::read_lidar("rplidar-a1"), {.stops = 12}));
   ASSERT_TRUE(got);
   EXPECT_GT(row_from(got->table, 0.5)->median, 0.008);
   EXPECT_GT(got->table.present, 0.95);

@@ -36,6 +36,14 @@ TEST(Config, TheDumpLoadsBackAndDumpsTheSame) {
   EXPECT_EQ(option_table(again).dump(), text);
 }
 
+TEST(Config, AnEarlierNameOfASectionIsUnderstood) {
+  Config config;
+  option_table(config).load_text("mh:\n  twins: false\nmatch:\n  method: fft-mh\n", "c.yaml");
+  EXPECT_FALSE(config.match.global.twins);
+  EXPECT_EQ(config.match.match.method, MatchMethod::kGlobal);
+  EXPECT_THAT(message_of("mh:\n  twins: false\nglobal:\n  twins: true\n"), HasSubstr("c.yaml:3: section"));
+}
+
 TEST(Config, EveryOptionHasAMeaningAndADefaultInsideItsBounds) {
   Config config;
   const OptionTable table = option_table(config);

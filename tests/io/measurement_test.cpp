@@ -1,4 +1,4 @@
-#include "phasescan/io/measurement.hpp"
+#include "phasescan/io/log.hpp"
 
 #include <gtest/gtest.h>
 

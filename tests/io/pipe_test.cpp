@@ -99,15 +99,5 @@ TEST(Pipe, ADatabaseIsNamedAsWhatNeedsAFile) {
   }
 }
 
-TEST(Pipe, CanBeReadAgainTellsFilesAndFoldersFromPipes) {
-  const test::TempFolder folder;
-  const std::string file = folder.put("file", "x"), pipe = folder / "fifo";
-  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_TRUE(can_be_read_again(file));
-  EXPECT_TRUE(can_be_read_again(folder.path()));
-  EXPECT_FALSE(can_be_read_again(pipe));
-  EXPECT_FALSE(can_be_read_again(folder / "none"));
-}
-
 }  // namespace
 }  // namespace phasescan

@@ -7,6 +7,7 @@
 
 #include "core/random.hpp"
 #include "scan/surface.hpp"
+#include "support/state_bytes.hpp"
 
 namespace phasescan {
 namespace {
@@ -49,6 +50,7 @@ TEST(MotionPrior, AssumesRestOrTheUsualMotionOnceBothAreKnown) {
   double x = 0.0;
   const auto go = [&](double step, bool seen) {
     x += step;
+    prior = testing::from_bytes<MotionPrior>(testing::to_bytes(prior));  // its state is all there is between scans
     prior.observe(surface_of(rough_corridor(x, noise)));
     const auto assumed = prior.prior_for(0.0);
     prior.learn({step, 0.0, 0.0}, seen);

@@ -33,7 +33,9 @@ TEST(SharedDamage, TextLogs) {
        {"carmen/intel-corrected.log.gz", "carmen/intel-raw.log.gz", "carmen/freiburg-079-corrected.log.gz",
         "carmen/fr079-raw.log.gz", "lowcost/rplidar-a1-16m.log.gz", "lowcost/rplidar-a1-14m.log.gz",
         "lowcost/breezy-exp1.dat.gz", "lowcost/ydlidar-x4-a.dat.gz", "lowcost/ydlidar-x4-c.dat.gz"}) {
-    const Sample sample = text_sample(file, read_bytes(recorded_data(file)), dir / "log");
+    Sample sample = text_sample(file, read_bytes(recorded_data(file)), dir / "log");
+    // Told from a matrix by the number of its beams, which changes from scan to scan.
+    if (sample.name.starts_with("lowcost/ydlidar")) sample.recognised_from = 2;
     report(sample, damage_everywhere(sample, places(5 * sample.bytes.size()), dir / "log", dir / "log"));
   }
 }

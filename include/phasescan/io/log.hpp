@@ -6,9 +6,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "phasescan/core/pose2.hpp"
+#include "phasescan/scan/range_measurement.hpp"
 #include "phasescan/scan/scan.hpp"
 
 namespace phasescan {
@@ -24,6 +26,12 @@ struct LogEntry {
   std::string laser;     ///< topic or CARMEN keyword: which laser
   long line = 0;         ///< 1-based line of a text log, ordinal of the message in a binary one
 };
+
+/// An entry as a measurement, which tracking takes: upright, whichever way the laser is mounted.
+inline RangeMeasurement to_measurement(LogEntry entry) {
+  if (entry.flipped) entry.scan = mirrored_scan(entry.scan);
+  return {std::move(entry.scan), std::move(entry.laser), entry.T_base_laser, entry.odometry};
+}
 
 /// Something in the file that could not be read. What lies around it was.
 struct LogDamage {
@@ -97,8 +105,5 @@ class LogReader {
 /// only a database (.db3) needs to be a file.
 /// @throws InputError (no such format, nothing readable), SystemError (permission).
 std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& options = {});
-
-/// Whether `open_log` may be called for this path again: not where it is a pipe.
-bool can_be_read_again(const std::string& path);
 
 }  // namespace phasescan

@@ -1,7 +1,4 @@
-// Not all is public yet where slam.hpp stands: the components' main headers, with all libraries linked.
-#include <phasescan/fft_icp/fft_icp.hpp>
-#include <phasescan/io/log.hpp>
-#include <phasescan/match/scan_matcher.hpp>
+#include <phasescan/phasescan.hpp>
 
 int main() {
   const phasescan::Scan none = phasescan::make_scan({}, {});

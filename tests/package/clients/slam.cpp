@@ -1,5 +1,5 @@
 #include <phasescan/odometry/odometry.hpp>
-#include <phasescan/slam/options.hpp>
+#include <phasescan/slam/slam.hpp>
 #include <vector>
 
 int main() {
