@@ -2,13 +2,10 @@
 //
 //   sec,nanosec,frame_id,angle_min,angle_max,angle_increment,time_increment,scan_time,range_min,range_max,ranges..,intensities..
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "io/log_format.hpp"
-#include "io/ros_scan.hpp"
-#include "io/ros_tf.hpp"
-#include "io/text_log.hpp"
+#include "io/topic_text.hpp"
 #include "io/text_numbers.hpp"
 
 namespace phasescan {
@@ -37,9 +34,7 @@ bool read_head(const std::vector<std::string_view>& fields, ros::LaserScan& mess
     return false;
   message.header.stamp = *seconds * 1'000'000'000 + Stamp{*rest};
   message.header.frame_id = fields[2];
-  const std::array<float*, 7> places{&message.angle_min,      &message.angle_max, &message.angle_increment,
-                                     &message.time_increment, &message.scan_time, &message.range_min,
-                                     &message.range_max};
+  const auto places = scan_numbers(message);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto number = parse_number<double>(fields[3 + i]);
     if (!number) return false;
@@ -48,18 +43,11 @@ bool read_head(const std::vector<std::string_view>& fields, ros::LaserScan& mess
   return true;
 }
 
-class EchoCsvReader final : public TextLogReader {
+class EchoCsvReader final : public TopicTextReader {
  public:
-  EchoCsvReader(LogInput& input, const LogOptions& options)
-      : TextLogReader(input), frame_(ros::plain_frame(options.frame)) {}
+  using TopicTextReader::TopicTextReader;
 
   std::string format() const override { return "csv of topic echo"; }
-
-  std::vector<LogRemark> remarks() const override {
-    std::vector<LogRemark> out;
-    reading_.add_remarks("the topic", out);
-    return out;
-  }
 
   std::optional<LogEntry> next() override {
     while (next_line(line_)) {
@@ -76,7 +64,7 @@ class EchoCsvReader final : public TextLogReader {
   std::optional<LogEntry> read_line() {
     split_fields(line_, ',', fields_);
     if (!read_head(fields_, message_)) throw DecodeError("no message; expected sec,nanosec,frame_id,angle_min,...");
-    if (!frame_.empty() && ros::plain_frame(message_.header.frame_id) != frame_) return std::nullopt;
+    if (!is_wanted()) return std::nullopt;
     const auto count = count_ranges(message_, fields_.size() - kHead);
     if (!count) {
       const bool shortened = line_.find("...") != std::string::npos;
@@ -94,18 +82,12 @@ class EchoCsvReader final : public TextLogReader {
     const auto middle = numbers_.begin() + static_cast<std::ptrdiff_t>(*count);
     message_.ranges.assign(numbers_.begin(), middle);
     message_.intensities.assign(middle, numbers_.end());
-    LogEntry entry;
-    entry.scan = reading_.read(message_);
-    entry.laser = "scan";
-    entry.line = line_number();
-    return entry;
+    return entry_of_message(line_number());
   }
 
-  std::string frame_, line_;
+  std::string line_;
   std::vector<std::string_view> fields_;
   std::vector<float> numbers_;
-  ros::LaserScan message_;
-  ros::ScanReading reading_;
 };
 
 bool is_echo_csv(const LogInput& input) {

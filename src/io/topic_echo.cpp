@@ -11,9 +11,7 @@
 
 #include "io/log_format.hpp"
 #include "io/number.hpp"
-#include "io/ros_scan.hpp"
-#include "io/ros_tf.hpp"
-#include "io/text_log.hpp"
+#include "io/topic_text.hpp"
 #include "phasescan/io/scan_json.hpp"
 
 namespace phasescan {
@@ -41,18 +39,11 @@ struct BadMessage {
   std::string reason;
 };
 
-class TopicEchoReader final : public TextLogReader {
+class TopicEchoReader final : public TopicTextReader {
  public:
-  TopicEchoReader(LogInput& input, const LogOptions& options)
-      : TextLogReader(input), frame_(ros::plain_frame(options.frame)) {}
+  using TopicTextReader::TopicTextReader;
 
   std::string format() const override { return "text of topic echo"; }
-
-  std::vector<LogRemark> remarks() const override {
-    std::vector<LogRemark> out;
-    reading_.add_remarks("the topic", out);
-    return out;
-  }
 
   std::optional<LogEntry> next() override {
     while (next_line(line_)) {
@@ -149,15 +140,13 @@ class TopicEchoReader final : public TextLogReader {
     const bool seconds = key == "secs" || key == "sec", rest = key == "nsecs" || key == "nanosec";
     static constexpr std::string_view kNames[] = {"angle_min", "angle_max", "angle_increment", "time_increment",
                                                   "scan_time", "range_min", "range_max"};
-    float* const places[] = {&message_.angle_min,      &message_.angle_max, &message_.angle_increment,
-                             &message_.time_increment, &message_.scan_time, &message_.range_min,
-                             &message_.range_max};
+    const auto places = scan_numbers(message_);
     const auto* name = std::find(std::begin(kNames), std::end(kNames), key);
     if (!seconds && !rest && name == std::end(kNames)) return;
     const auto number = yaml_number(value);
     if (!number) throw BadMessage{std::string(key) + " is " + quote_text(value) + "; expected a number"};
     if (name != std::end(kNames)) {
-      *places[name - std::begin(kNames)] = static_cast<float>(*number);
+      *places[static_cast<std::size_t>(name - std::begin(kNames))] = static_cast<float>(*number);
     } else if (!(std::abs(*number) < (seconds ? kMostStampSeconds : 1e9))) {
       throw BadMessage{"a time that is none"};
     } else {
@@ -171,16 +160,10 @@ class TopicEchoReader final : public TextLogReader {
     try {
       if (!bad_.empty()) throw BadMessage{bad_};
       if (in_brackets_) throw BadMessage{"a list without its end"};
-      if (has_ranges_ && (frame_.empty() || ros::plain_frame(message_.header.frame_id) == frame_)) {
-        entry.emplace();
-        entry->scan = reading_.read(message_);
-        entry->laser = "scan";
-        entry->line = line;
-      }
+      if (has_ranges_ && is_wanted()) entry = entry_of_message(line);
     } catch (const BadMessage& bad) {
       add_damage("bad message", InputError(path(), bad_.empty() ? line : bad_line_, bad.reason).what());
     } catch (const DecodeError& error) {
-      entry.reset();
       add_damage("bad message", InputError(path(), line, error.what()).what());
     }
     begin_message();
@@ -212,9 +195,7 @@ class TopicEchoReader final : public TextLogReader {
     bad_.clear();
   }
 
-  std::string frame_, line_;
-  ros::ScanReading reading_;
-  ros::LaserScan message_;
+  std::string line_;
   std::vector<float>* array_ = nullptr;  ///< what "- 1.0" belongs to
   bool has_ranges_ = false, in_brackets_ = false;
   long begun_ = 0, bad_line_ = 0;
