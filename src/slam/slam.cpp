@@ -55,7 +55,10 @@ struct Slam::Impl {
         tracker(o.odometry, s.odometry, o.match),
         runner(o, s.backend, schedule, executor),
         state(s) {
-    runner.set_pending(s.pending);
+    // Tracker and runner hold these now: no second copy of keyframes and graph stays as old as the checkpoint.
+    state.odometry = {};
+    state.backend = {};
+    runner.set_pending(std::move(state.pending));
   }
 
   ScanUpdate repeat(const RangeMeasurement& measurement);
