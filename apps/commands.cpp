@@ -12,7 +12,7 @@
 #include <cstring>
 #include <utility>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
 #include "io/number.hpp"

@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <phasescan/io/error.hpp>
 #include <phasescan/io/log.hpp>
-#include <phasescan/io/log_writer.hpp>
 #include <string>
 #include <vector>
 

@@ -11,6 +11,5 @@
 #include "phasescan/slam/slam.hpp"          // IWYU pragma: export
 #endif
 #if __has_include("phasescan/io/log.hpp")
-#include "phasescan/io/log.hpp"         // IWYU pragma: export
-#include "phasescan/io/log_writer.hpp"  // IWYU pragma: export
+#include "phasescan/io/log.hpp"  // IWYU pragma: export
 #endif

@@ -10,7 +10,7 @@
 
 #include "eval/log_stamps.hpp"
 #include "eval/motion_check.hpp"
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 
 namespace phasescan {
 namespace {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "eval/paper_kit.hpp"
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "config/config.hpp"
 #include "sim/pairs_spec.hpp"
 #include "sim/embedded.hpp"

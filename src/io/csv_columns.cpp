@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "io/file.hpp"
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "phasescan/io/error.hpp"
 
 namespace phasescan {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 
 namespace phasescan {
 namespace {

@@ -1,4 +1,4 @@
-#include "phasescan/io/log_writer.hpp"
+#include "phasescan/io/log.hpp"
 
 #include <algorithm>
 

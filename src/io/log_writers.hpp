@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "phasescan/io/log_writer.hpp"
+#include "phasescan/io/log.hpp"
 
 namespace phasescan {
 

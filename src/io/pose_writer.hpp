@@ -8,7 +8,7 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/log_writer.hpp"
+#include "phasescan/io/log.hpp"
 
 namespace phasescan {
 

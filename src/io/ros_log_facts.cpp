@@ -4,7 +4,7 @@
 
 #include "io/file.hpp"
 #include "io/ros_log.hpp"
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "phasescan/io/error.hpp"
 
 namespace phasescan::ros {

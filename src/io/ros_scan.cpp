@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 
 namespace phasescan::ros {
 namespace {

@@ -14,7 +14,7 @@
 #include "io/log_format.hpp"
 #include "io/text_log.hpp"
 #include "io/text_numbers.hpp"
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "phasescan/io/scan_json.hpp"
 
 namespace phasescan {

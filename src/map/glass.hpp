@@ -9,7 +9,6 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "map/occupancy_grid.hpp"
-#include "phasescan/map/options.hpp"
 #include "phasescan/map/trinary_map.hpp"
 #include "phasescan/scan/scan.hpp"
 

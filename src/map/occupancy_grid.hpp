@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "phasescan/core/pose2.hpp"
-#include "phasescan/map/options.hpp"
 #include "phasescan/map/trinary_map.hpp"
 #include "phasescan/scan/scan.hpp"
 

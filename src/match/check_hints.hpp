@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "phasescan/match/hints.hpp"
+#include "phasescan/match/result.hpp"
 
 namespace phasescan {
 

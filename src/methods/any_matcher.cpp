@@ -5,7 +5,7 @@
 
 #include "fft_icp/rotation_proposers.hpp"
 #include "match/global_matcher.hpp"
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "phasescan/fft_icp/fft_icp.hpp"
 
 namespace phasescan {

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "methods/any_options.hpp"
-#include "phasescan/match/hints.hpp"
 #include "phasescan/match/result.hpp"
 #include "phasescan/scan/scan.hpp"
 

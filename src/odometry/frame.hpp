@@ -9,7 +9,7 @@
 #include "odometry/search_policy.hpp"
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/odometry/options.hpp"
-#include "phasescan/scan/range_measurement.hpp"
+#include "phasescan/scan/scan.hpp"
 #include "scan/surface.hpp"
 
 namespace phasescan {

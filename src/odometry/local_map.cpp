@@ -9,7 +9,6 @@ namespace {
 constexpr float kFloorVariance = 0.003F * 0.003F;      // [m^2] averaging does not beat the model below this
 constexpr float kFloorNormalVariance = 0.03F * 0.03F;  // [rad^2] walls are not as straight as lines
 constexpr int kDirections = 8;
-constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
 
 int direction_of(float nx, float ny) {
   // Octant by comparisons: which half planes the normal lies in.
@@ -22,12 +21,6 @@ std::int64_t cell_of(float cells) {
   return whole - (cells < static_cast<float>(whole) ? 1 : 0);
 }
 
-std::uint64_t hash(std::uint64_t key) {
-  key ^= key >> 31;
-  key *= 0x9E3779B97F4A7C15ULL;
-  return key ^ (key >> 29);
-}
-
 }  // namespace
 
 void LocalMap::reset(const Pose2& T_world_map, double half_width_m, double cell_m) {
@@ -36,14 +29,12 @@ void LocalMap::reset(const Pose2& T_world_map, double half_width_m, double cell_
   cell_m_ = cell_m;
   inverse_cell_ = static_cast<float>(1.0 / cell_m);
   extent_m_ = 0.0F;
-  last_surfel_ = -1;
   surfels_.clear();
   lone_.clear();
-  free_standing_.clear();
-  free_standing_surface_.clear();
-  views_.clear();
-  if (table_.empty()) table_.resize(4096);
-  std::fill(table_.begin(), table_.end(), Slot{kEmpty, -1});
+  free_standing_.hits.clear();
+  free_standing_.surfaces.clear();
+  free_standing_.views.clear();
+  table_.clear();
 }
 
 void LocalMap::add(const MapPoints& points, const Pose2& T_world_base) {
@@ -55,21 +46,34 @@ void LocalMap::add(const MapPoints& points, const Pose2& T_world_base) {
     if (!(std::fabs(px) < limit && std::fabs(py) < limit)) continue;
     const float nx = c * points.nx[i] - s * points.ny[i], ny = s * points.nx[i] + c * points.ny[i];
     if (points.free_standing[i]) {
-      free_standing_.push_back({px, py, points.x[i], points.y[i], static_cast<int>(views_.size())});
-      free_standing_surface_.push_back({nx, ny, points.variance[i], points.normal_variance[i]});
+      free_standing_.hits.push_back({px, py, points.x[i], points.y[i], static_cast<int>(free_standing_.views.size())});
+      free_standing_.surfaces.push_back({nx, ny, points.variance[i], points.normal_variance[i]});
     } else {
       add_point(px, py, nx, ny, points.variance[i], points.normal_variance[i], 0);
     }
   }
-  views_.push_back(T);
+  free_standing_.views.push_back(T);
 }
 
 void LocalMap::add_static_objects() {
-  filter_.find(free_standing_, views_, static_);
-  for (std::size_t i = 0; i < free_standing_.size(); ++i) {
-    const FreeStandingSurface& s = free_standing_surface_[i];
-    if (static_[i]) add_point(free_standing_[i].x, free_standing_[i].y, s.nx, s.ny, s.variance, s.normal_variance, 1);
+  FreeStanding& f = free_standing_;
+  f.filter.find(f.hits, f.views, f.is_static);
+  for (std::size_t i = 0; i < f.hits.size(); ++i) {
+    const FreeStanding::Surface& s = f.surfaces[i];
+    if (f.is_static[i]) add_point(f.hits[i].x, f.hits[i].y, s.nx, s.ny, s.variance, s.normal_variance, 1);
   }
+}
+
+void LocalMap::add_lone(std::uint64_t cell, float px, float py, float weight, std::uint8_t free_standing) {
+  std::int32_t& alone = table_.at(cell + kDirections + 1);
+  if (alone < 0) {
+    alone = static_cast<std::int32_t>(lone_.size());
+    lone_.push_back({});
+  }
+  Surfel& s = lone_[static_cast<std::size_t>(alone)];
+  s.x += weight * px, s.y += weight * py, s.variance += weight;
+  s.free_standing |= free_standing;
+  table_.reserve(surfels_.size() + lone_.size());
 }
 
 void LocalMap::add_point(float px, float py, float nx, float ny, float variance, float normal_variance,
@@ -80,60 +84,36 @@ void LocalMap::add_point(float px, float py, float nx, float ny, float variance,
   extent_m_ = std::max({extent_m_, std::fabs(px), std::fabs(py)});
   const float weight = 1.0F / variance;
   if (nx == 0.0F && ny == 0.0F) {
-    std::int32_t& alone = slot(cell + kDirections + 1);
-    if (alone < 0) {
-      alone = static_cast<std::int32_t>(lone_.size());
-      lone_.push_back({});
-    }
-    Surfel& s = lone_[static_cast<std::size_t>(alone)];
-    s.x += weight * px, s.y += weight * py, s.variance += weight;
-    s.free_standing |= free_standing;
-    if (4 * (surfels_.size() + lone_.size()) > table_.size()) grow_table();
+    add_lone(cell, px, py, weight, free_standing);
     return;
   }
   const std::uint64_t key = cell + 1 + static_cast<std::uint64_t>(direction_of(nx, ny));
-  if (last_surfel_ < 0 || key != last_key_) {
-    std::int32_t& mine = slot(key);
-    last_key_ = key;
-    last_surfel_ = mine;
-    if (mine < 0) mine = static_cast<std::int32_t>(surfels_.size());
+  const auto next = static_cast<std::int32_t>(surfels_.size());
+  std::int32_t mine = table_.last(key);
+  if (mine < 0) {
+    std::int32_t& known = table_.at(key);
+    mine = known;
+    if (known < 0) known = next;
+    table_.remember(key, known);
   }
-  if (last_surfel_ >= 0) {
-    Surfel& s = surfels_[static_cast<std::size_t>(last_surfel_)];
+  if (mine >= 0) {
+    Surfel& s = surfels_[static_cast<std::size_t>(mine)];
     s.x += weight * px, s.y += weight * py, s.nx += weight * nx, s.ny += weight * ny, s.variance += weight;
     s.normal_variance += weight * weight * normal_variance;
     return;
   }
-  const auto index = static_cast<std::int32_t>(surfels_.size());
-  last_surfel_ = index;
   surfels_.push_back({weight * px, weight * py, weight * nx, weight * ny, weight, weight * weight * normal_variance,
-                      index, free_standing});
+                      next, free_standing});
   // Join the ring of the cell.
-  std::int32_t& first = slot(cell);
+  std::int32_t& first = table_.at(cell);
   if (first < 0) {
-    first = index;
+    first = next;
   } else {
     Surfel& head = surfels_[static_cast<std::size_t>(first)];
     surfels_.back().next = head.next;
-    head.next = index;
+    head.next = next;
   }
-  if (4 * (surfels_.size() + lone_.size()) > table_.size()) grow_table();
-}
-
-std::int32_t& LocalMap::slot(std::uint64_t key) {
-  const std::size_t mask = table_.size() - 1;
-  std::size_t at = hash(key) & mask;
-  while (table_[at].key != kEmpty && table_[at].key != key) at = (at + 1) & mask;
-  table_[at].key = key;
-  return table_[at].surfel;
-}
-
-void LocalMap::grow_table() {
-  std::vector<Slot> old(2 * table_.size(), Slot{kEmpty, -1});
-  old.swap(table_);
-  for (const Slot& s : old) {
-    if (s.key != kEmpty) slot(s.key) = s.surfel;
-  }
+  table_.reserve(surfels_.size() + lone_.size());
 }
 
 void LocalMap::finish() {

@@ -7,6 +7,7 @@
 #include "phasescan/core/pose2.hpp"
 #include "odometry/map_points.hpp"
 #include "odometry/free_standing.hpp"
+#include "odometry/surfel_table.hpp"
 #include "refine/nearest_grid.hpp"
 
 namespace phasescan {
@@ -69,15 +70,21 @@ class LocalMap {
   }
 
  private:
-  struct Slot {
-    std::uint64_t key = 0;
-    std::int32_t surfel = -1;
+  /// Hits that stand free, and what finish() needs to tell which of them are static.
+  struct FreeStanding {
+    struct Surface {
+      float nx, ny, variance, normal_variance;
+    };
+    std::vector<FreeStandingHit> hits;
+    std::vector<Surface> surfaces;  ///< one per hit
+    std::vector<Pose2> views;       ///< T_map_base of each scan
+    StaticObjectFilter filter;
+    std::vector<std::uint8_t> is_static;
   };
   void normalise(std::vector<Surfel>& surfels, NearestGrid& grid);
-  std::int32_t& slot(std::uint64_t key);
   void add_point(float px, float py, float nx, float ny, float variance, float normal_variance,
                  std::uint8_t free_standing);
-  void grow_table();
+  void add_lone(std::uint64_t cell, float px, float py, float weight, std::uint8_t free_standing);
   void add_static_objects();
 
   Pose2 T_world_map_;
@@ -85,18 +92,8 @@ class LocalMap {
   float inverse_cell_ = 10.0F, extent_m_ = 0.0F;
   std::vector<Surfel> surfels_;  // x, y, nx, ny hold weighted sums until finish(), variance the sum of weights
   std::vector<Surfel> lone_;
-  std::vector<Slot> table_;
-  // Where the last point went: hits of one scan lie next to each other.
-  std::uint64_t last_key_ = 0;
-  std::int32_t last_surfel_ = -1;
-  struct FreeStandingSurface {
-    float nx, ny, variance, normal_variance;
-  };
-  std::vector<FreeStandingHit> free_standing_;  // wait for finish(), which knows what is static
-  std::vector<FreeStandingSurface> free_standing_surface_;
-  std::vector<Pose2> views_;
-  StaticObjectFilter filter_;
-  std::vector<std::uint8_t> static_;
+  SurfelTable table_;
+  FreeStanding free_standing_;
   std::vector<SurfacePoint> grid_points_;  // where the surfels are, as the grid wants it
   NearestGrid grid_, lone_grid_;
 };

@@ -7,7 +7,7 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/match/scan_matcher.hpp"
-#include "phasescan/scan/range_measurement.hpp"
+#include "phasescan/scan/scan.hpp"
 
 namespace phasescan {
 

@@ -12,7 +12,7 @@
 #include "odometry/scan_clock.hpp"
 #include "odometry/scan_to_scan.hpp"
 #include "phasescan/core/pose2.hpp"
-#include "phasescan/scan/range_measurement.hpp"
+#include "phasescan/scan/scan.hpp"
 
 namespace phasescan {
 

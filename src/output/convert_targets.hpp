@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "phasescan/io/log_writer.hpp"
+#include "phasescan/io/log.hpp"
 
 namespace phasescan {
 

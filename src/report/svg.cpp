@@ -7,7 +7,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 
 namespace phasescan {
 namespace {

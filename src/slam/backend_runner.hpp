@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "phasescan/core/executor.hpp"
 #include "phasescan/slam/slam.hpp"
 #include "slam/backend.hpp"
 #include "slam/keyframe.hpp"

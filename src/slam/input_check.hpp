@@ -9,7 +9,7 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/core/time.hpp"
-#include "phasescan/scan/range_measurement.hpp"
+#include "phasescan/scan/scan.hpp"
 #include "phasescan/slam/slam.hpp"
 
 namespace phasescan {

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "phasescan/core/pose2.hpp"
-#include "phasescan/scan/range_measurement.hpp"
+#include "phasescan/scan/scan.hpp"
 #include "slam/keyframe_points.hpp"
 #include "slam/scan_store.hpp"
 

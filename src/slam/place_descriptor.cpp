@@ -5,7 +5,7 @@
 #include <complex>
 #include <vector>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "slam/place_projection.hpp"
 #include "slam/place_spectrum.hpp"
 

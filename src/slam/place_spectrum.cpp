@@ -56,7 +56,7 @@ HWY_AFTER_NAMESPACE();
 #include <cmath>
 #include <utility>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 
 namespace phasescan {
 HWY_EXPORT(Butterfly);

@@ -7,7 +7,7 @@
 #include <complex>
 #include <stdexcept>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "core/random.hpp"
 #include "scan/points.hpp"
 #include "sim/places.hpp"

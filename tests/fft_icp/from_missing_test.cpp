@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "core/random.hpp"
 
 namespace phasescan {

@@ -4,7 +4,7 @@
 
 #include "io/beam_geometry.hpp"
 #include "io/clock_stamp.hpp"
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "support/read_text.hpp"
 
 namespace phasescan {

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "io/ros_scan.hpp"
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "support/command.hpp"
 #include "support/read_text.hpp"
 #include "support/recordings.hpp"

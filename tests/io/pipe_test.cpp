@@ -10,7 +10,7 @@
 #include "phasescan/io/scan_json.hpp"
 #include "io/scan_log.hpp"
 #include "phasescan/io/error.hpp"
-#include "phasescan/io/log_writer.hpp"
+#include "phasescan/io/log.hpp"
 #include "support/command.hpp"
 #include "support/recordings.hpp"
 #include "support/temp.hpp"

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "support/read_text.hpp"
 
 namespace phasescan {

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "io/cut_log.hpp"
-#include "phasescan/core/angle.hpp"
-#include "phasescan/io/log_writer.hpp"
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/io/log.hpp"
 #include "support/read_text.hpp"
 
 namespace phasescan {

@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 
 namespace phasescan {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "core/random.hpp"
 #include "scan/points.hpp"
 #include "support/toy_world.hpp"

@@ -6,7 +6,7 @@
 #include <complex>
 
 #include "core/random.hpp"
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 
 namespace phasescan {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/motion.hpp"
-#include "phasescan/scan/range_measurement.hpp"
+#include "phasescan/scan/scan.hpp"
 #include "support/toy_world.hpp"
 
 namespace phasescan::testing {

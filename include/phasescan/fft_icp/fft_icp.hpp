@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "phasescan/fft_icp/options.hpp"
-#include "phasescan/match/hints.hpp"
 #include "phasescan/match/result.hpp"
 #include "phasescan/scan/scan.hpp"
 

@@ -1,4 +1,5 @@
-/// Logs of any readable format behind one door: `open_log` looks at the content, never at the name.
+/// Logs: of any readable format behind one door, where `open_log` looks at the content, never at the name; and written
+/// in the formats of other tools.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +11,6 @@
 #include <vector>
 
 #include "phasescan/core/pose2.hpp"
-#include "phasescan/scan/range_measurement.hpp"
 #include "phasescan/scan/scan.hpp"
 
 namespace phasescan {
@@ -105,5 +105,40 @@ class LogReader {
 /// only a database (.db3) needs to be a file.
 /// @throws InputError (no such format, nothing readable), SystemError (permission).
 std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& options = {});
+
+enum class LogTarget {
+  kMcap,     ///< LaserScan, Odometry, /tf and /tf_static: Foxglove, Lichtblick, rosbag2
+  kCarmen,   ///< FLASER for scans of 180 degrees, else ROBOTLASER1 (RAWLASER1 without odometry)
+  kScanLog,  ///< JSON Lines
+  kTum       ///< the log's poses
+};
+
+/// Names for flags, in the order of the enum: mcap, carmen, jsonl, tum.
+const std::vector<std::string>& log_target_names();
+
+/// By the ending of a file's name. @throws InputError naming the endings that are known.
+LogTarget log_target_for(const std::string& path);
+
+/// Takes entries one by one; the file appears whole with `finish`, or not at all.
+class LogWriter {
+ public:
+  virtual ~LogWriter() = default;
+  /// @throws SystemError where the disk is full.
+  virtual void add(const LogEntry& entry) = 0;
+  /// @throws InputError where the target needs what the log has not (poses), SystemError.
+  virtual void finish() = 0;
+
+  /// What could not be said in the target's format, for people: one line each.
+  const std::vector<std::string>& losses() const { return losses_; }
+
+ protected:
+  void add_loss(const std::string& text);
+
+ private:
+  std::vector<std::string> losses_;
+};
+
+/// @throws as AtomicFile.
+std::unique_ptr<LogWriter> make_log_writer(LogTarget target, const std::string& path);
 
 }  // namespace phasescan

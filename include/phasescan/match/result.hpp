@@ -1,4 +1,4 @@
-/// What a match answers: never a bare pose.
+/// What a match is told beside the two scans, and what it answers: never a bare pose.
 #pragma once
 
 #include <Eigen/Core>
@@ -68,6 +68,13 @@ struct MatchResult {
   double overlap = 0.0;  ///< share of the scan's hits that found a partner, 0..1
   std::vector<MatchAlternative> alternatives;  ///< best first, without T_ref_scan itself
   MatchDiagnostics diagnostics;
+};
+
+/// What else is known of a pair of scans.
+struct MatchHints {
+  std::optional<Pose2> guess;  ///< T_ref_scan to start from; none: any rotation, no guess
+  Twist2 reference_twist;      ///< motion of the sensor during the reference scan, taken out of it
+  Twist2 scan_twist;           ///< the same for the scan
 };
 
 }  // namespace phasescan

@@ -5,9 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "phasescan/match/hints.hpp"
-#include "phasescan/match/options.hpp"
 #include "phasescan/match/result.hpp"
+#include "phasescan/match/options.hpp"
 #include "phasescan/scan/scan.hpp"
 
 namespace phasescan {

@@ -8,7 +8,7 @@
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/odometry/options.hpp"
-#include "phasescan/scan/range_measurement.hpp"
+#include "phasescan/scan/scan.hpp"
 
 namespace phasescan {
 

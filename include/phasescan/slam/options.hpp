@@ -1,7 +1,7 @@
 #pragma once
 
 #include "phasescan/core/options.hpp"
-#include "phasescan/map/options.hpp"
+#include "phasescan/map/trinary_map.hpp"
 #include "phasescan/match/options.hpp"
 #include "phasescan/odometry/options.hpp"
 

@@ -3,20 +3,43 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "phasescan/core/executor.hpp"
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/core/time.hpp"
-#include "phasescan/scan/range_measurement.hpp"
+#include "phasescan/scan/scan.hpp"
 #include "phasescan/slam/options.hpp"
 #include "phasescan/slam/result.hpp"
-#include "phasescan/slam/scan_update.hpp"
 
 namespace phasescan {
+
+/// Who does the work beside the caller: the library starts no thread by itself. Runs tasks. The library gives it one
+/// task at a time and waits for it, where it must, by means of its own.
+class Executor {
+ public:
+  virtual ~Executor() = default;
+  /// Runs `task` now or later, on any thread. Every task must be run, also when the executor ends.
+  virtual void run(std::function<void()> task) = 0;
+};
+
+/// One thread that runs tasks in the order in which they came. Its destructor runs what is left and then joins. It must
+/// live longer than what uses it.
+class ThreadExecutor final : public Executor {
+ public:
+  ThreadExecutor();
+  ~ThreadExecutor() override;
+  ThreadExecutor(const ThreadExecutor&) = delete;
+  ThreadExecutor& operator=(const ThreadExecutor&) = delete;
+  void run(std::function<void()> task) override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 /// When the results of loops and graph enter.
 enum class Schedule {

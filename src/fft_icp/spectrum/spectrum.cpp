@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 
 namespace phasescan {
 

@@ -1,4 +1,4 @@
-#include "phasescan/core/executor.hpp"
+#include "phasescan/slam/slam.hpp"
 
 #include <condition_variable>
 #include <deque>
