@@ -30,6 +30,7 @@ BackendState Backend::state() const {
 }
 
 void Backend::add_batch(std::vector<Keyframe> batch) {
+  closer_.begin_batch(session_);
   for (Keyframe& keyframe : batch) {
     admission_->submit(std::move(keyframe), session_, places_);
     place_admitted();
@@ -104,6 +105,8 @@ LoopCounts Backend::loop_counts() const {
   counts.places = closer.places;
   counts.found = closer.found;
   counts.rejected_inconsistent = closer_.rejected_inconsistent();
+  counts.rejected_beyond_drift = closer.beyond;
+  counts.rejected_alike = closer.alike;
   for (const PoseEdge& edge : graph().edges()) {
     if (edge.robust) ++(edge.enabled ? counts.accepted : counts.undone);
   }

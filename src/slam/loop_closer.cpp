@@ -1,6 +1,8 @@
 #include "slam/loop_closer.hpp"
 
 #include <algorithm>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 
 #include "odometry/information.hpp"
@@ -12,6 +14,11 @@ namespace {
 
 constexpr double kDriftPerMetre = 0.01;  // how far the map may drift for each unconfirmed metre
 constexpr double kMostDriftM = 3.0;      // what is off by more is found by its looks, not by its pose
+
+// Of what tracking and earlier loops leave open between two nodes, in standard deviations: no loop asks for more. On
+// simulated halls, flats and offices right loops ask for less than 3, those of the next shelf or pillar for 7 and more.
+constexpr double kMostDriftSigmas = 5.0;
+constexpr double kBentM = 0.15, kBentRad = 0.035;  // standard deviations of what the map may be bent by within a visit
 
 // Visits.
 constexpr int kAnchorStep = 4;       // anchors are multiples of it, so that neighbours share a map
@@ -104,6 +111,7 @@ std::optional<Loop> LoopCloser::compare(int other, int node, const Pose2& T_map_
 std::vector<Loop> LoopCloser::search(int node, const GraphSession& session, PlaceSearch& places,
                                      Connectivity& connectivity) {
   std::vector<Loop> accepted;
+  covariance_.append(session);
   const double uncertainty_m = drift_m(session);
   const bool broke = connectivity.segments() > 1;  // what was just before may be another piece
   const int newest = broke ? node - 1 : node - options_.min_nodes_apart;
@@ -122,6 +130,8 @@ void LoopCloser::search_places(int node, const GraphSession& session, PlaceSearc
   const auto& poses = session.poses();
   const double here_m = session.travelled_m(node);
   const bool search = here_m - state_.travelled_at_place_m >= options_.places_after_m;
+  std::vector<Loop> found;
+  bool as_mapped = false;
   for (const PlaceMatch& place : places.add(session.keyframes(), poses, search)) {
     const Pose2 T_map_node = poses[static_cast<std::size_t>(place.node)] * place.T_node_query;
     // Rooms look alike; but the way between them is known too, and the map is not off by more than that allows.
@@ -131,9 +141,36 @@ void LoopCloser::search_places(int node, const GraphSession& session, PlaceSearc
     ++state_.places;
     const std::optional<Loop> loop = compare(place.node, node, T_map_node, 0.0, session);
     if (!loop) continue;
-    for (const Loop& l : submit(*loop, session, connectivity)) accepted.push_back(l);
-    if (off < options_.small_error_m) state_.travelled_at_place_m = here_m;
+    found.push_back(*loop);
+    as_mapped = as_mapped || off < options_.small_error_m;
   }
+  if (as_mapped) state_.travelled_at_place_m = here_m;
+  if (!as_mapped && one_of_several(found, poses)) {
+    state_.alike += found.size();
+    return;
+  }
+  for (const Loop& loop : found) {
+    for (const Loop& l : submit(loop, session, connectivity)) accepted.push_back(l);
+  }
+}
+
+bool LoopCloser::one_of_several(const std::vector<Loop>& found, const std::vector<Pose2>& poses) const {
+  for (const Loop& loop : found) {
+    const Pose2 one = poses[static_cast<std::size_t>(found.front().from)] * found.front().T_from_to;
+    const Pose2 other = poses[static_cast<std::size_t>(loop.from)] * loop.T_from_to;
+    if (translation_distance(one, other) > options_.near_radius_m) return true;
+  }
+  return false;
+}
+
+bool LoopCloser::within_drift(const Loop& loop, const GraphSession& session) const {
+  const Pose2 there = session.poses()[static_cast<std::size_t>(loop.from)] * loop.T_from_to;
+  const Pose2 off = session.poses()[static_cast<std::size_t>(loop.to)].inverse() * there;
+  const Eigen::Vector3d error(off.x, off.y, off.theta);
+  Eigen::Matrix3d known = covariance_.between(loop.from, loop.to) + loop.information.inverse();
+  known.diagonal() += Eigen::Vector3d(kBentM * kBentM, kBentM * kBentM, kBentRad * kBentRad);
+  const double chi2 = error.dot(known.llt().solve(error));
+  return chi2 <= kMostDriftSigmas * kMostDriftSigmas;
 }
 
 std::vector<Loop> LoopCloser::submit(const Loop& loop, const GraphSession& session, Connectivity& connectivity) {
@@ -147,6 +184,10 @@ std::vector<Loop> LoopCloser::accept(LoopConsistency& consistency, const Loop& l
     ++state_.weak;
     return {};
   }
+  if (!within_drift(loop, session)) {
+    ++state_.beyond;
+    return {};
+  }
   std::vector<Loop> accepted =
       consistency.add(loop, session.poses(), tied ? SmallLoops::kAccepted : SmallLoops::kMustBeAgreedOn);
   // Those that waited may tie other pieces than this one.
@@ -156,6 +197,7 @@ std::vector<Loop> LoopCloser::accept(LoopConsistency& consistency, const Loop& l
 
 std::vector<Loop> LoopCloser::search_all(const GraphSession& session, Connectivity& connectivity) {
   std::vector<Loop> loops;
+  covariance_.rebuild(session);
   LoopConsistency consistency(options_);
   for (int node = 0; node <= session.last_node(); ++node) {
     for (const int visit : nearby_visits(node, session.last_node(), session, connectivity)) {

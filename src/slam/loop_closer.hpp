@@ -9,6 +9,7 @@
 #include "slam/connectivity.hpp"
 #include "slam/graph_session.hpp"
 #include "slam/loop_consistency.hpp"
+#include "slam/path_covariance.hpp"
 #include "slam/place_search.hpp"
 #include "slam/visit_maps.hpp"
 
@@ -21,6 +22,8 @@ struct LoopCloserState {
   std::size_t places = 0;    ///< of these, found by what they look like
   std::size_t found = 0;     ///< matches good enough to be a loop
   std::size_t weak = 0;      ///< of these, rejected at once: between pieces that nothing ties, with too little overlap
+  std::size_t beyond = 0;    ///< of these, rejected at once: they ask for more than tracking can be off
+  std::size_t alike = 0;     ///< of these, rejected at once: several places far from each other look the same
   double travelled_at_place_m = 0.0;  ///< of the last node at which a place looked as the map has it
 
   template <class Self, class Visitor>
@@ -30,6 +33,8 @@ struct LoopCloserState {
     v("places", self.places);
     v("found", self.found);
     v("weak", self.weak);
+    v("beyond", self.beyond);
+    v("alike", self.alike);
     v("travelled_at_place_m", self.travelled_at_place_m);
   }
 };
@@ -40,6 +45,8 @@ class LoopCloser {
  public:
   explicit LoopCloser(const SlamOptions& options, LoopCloserState state = {});
 
+  /// Before a batch of nodes: takes the graph as it stands, so that what follows hangs on it alone.
+  void begin_batch(const GraphSession& session) { covariance_.rebuild(session); }
   /// The loops that are accepted now that `node`, the newest, is there; they tie their pieces in `connectivity`.
   /// @cost O(nodes) and up to loops.clusters_per_node + loops.place_candidates matches
   std::vector<Loop> search(int node, const GraphSession& session, PlaceSearch& places, Connectivity& connectivity);
@@ -58,6 +65,10 @@ class LoopCloser {
  private:
   std::vector<Loop> accept(LoopConsistency& consistency, const Loop& loop, const GraphSession& session,
                            Connectivity& connectivity);
+  /// Whether places that look alike would put one node far apart: then its looks prove nothing.
+  bool one_of_several(const std::vector<Loop>& found, const std::vector<Pose2>& poses) const;
+  /// Whether a loop asks for no more than what tracking and earlier loops leave open between its ends.
+  bool within_drift(const Loop& loop, const GraphSession& session) const;
   std::vector<int> nearby_visits(int node, int max_other, const GraphSession& session,
                                  const Connectivity& connectivity) const;
   std::optional<Loop> compare(int other, int node, const Pose2& T_map_node, double uncertainty_m,
@@ -68,6 +79,7 @@ class LoopCloser {
   LoopOptions options_;
   LoopCloserState state_;  // but for its consistency
   LoopConsistency consistency_;
+  PathCovariance covariance_;
   VisitMaps visit_maps_;
   MapPoints points_;  // of the node that is compared
 };

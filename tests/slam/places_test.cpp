@@ -5,13 +5,14 @@
 
 #include "slam/backend.hpp"
 #include "slam/place_search.hpp"
-#include "support/toy_world.hpp"
+#include "support/toy_keyframes.hpp"
 
 namespace phasescan {
 namespace {
 
 using testing::add_box;
-using testing::toy_scan;
+using testing::drive;
+using testing::toy_keyframes;
 using testing::ToyLidar;
 using testing::Wall;
 
@@ -32,51 +33,22 @@ std::vector<Wall> ring_world() {
   return walls;
 }
 
-std::vector<Pose2> drive(const std::vector<Eigen::Vector2d>& stops, double step_m, double step_rad) {
-  std::vector<Pose2> poses = {{stops[0].x(), stops[0].y(), 0.0}};
-  for (std::size_t s = 1; s < stops.size(); ++s) {
-    const Eigen::Vector2d way = stops[s] - stops[s - 1];
-    const double heading = std::atan2(way.y(), way.x());
-    const double turn = wrap_angle(heading - poses.back().theta), from = poses.back().theta;
-    const int turns = static_cast<int>(std::ceil(std::abs(turn) / step_rad));
-    for (int k = 1; k <= turns; ++k)
-      poses.push_back({stops[s - 1].x(), stops[s - 1].y(), wrap_angle(from + turn * k / turns)});
-    const int steps = static_cast<int>(std::ceil(way.norm() / step_m));
-    for (int k = 1; k <= steps; ++k) {
-      const Eigen::Vector2d p = stops[s - 1] + way * k / steps;
-      poses.push_back({p.x(), p.y(), heading});
-    }
-  }
-  return poses;
-}
-
-/// Keyframes at the poses, with an odometry that turns `bias` too far for each metre.
+/// Keyframes at the poses, with an odometry that turns `bias` too far for each metre, and says how little it knows of
+/// its heading where it does.
 std::vector<Keyframe> keyframes_at(const std::vector<Wall>& walls, const std::vector<Pose2>& poses, double bias) {
   ToyLidar lidar;
   lidar.range_max = 7.0;
   Random random(4);
-  SurfaceWorkspace work;
-  SurfacePoints surface;
-  std::vector<Keyframe> out;
-  Pose2 T_odom = poses[0];
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (i > 0) {
-      const Pose2 step = poses[i - 1].inverse() * poses[i];
-      T_odom = T_odom * step * Pose2{0.0, 0.0, bias * std::hypot(step.x, step.y)};
-    }
-    find_surface(toy_scan(walls, poses[i], lidar, random, 0), {}, work, surface);
-    auto points = std::make_shared<MapPoints>();
-    to_map_points(surface, {}, 40.0, *points);
-    Keyframe keyframe;
-    keyframe.points = std::make_shared<const KeyframePoints>(*points);
-    keyframe.T_odom_base = T_odom;
-    keyframe.information = Eigen::Vector3d(1e4, 1e4, 1e5).asDiagonal();
-    keyframe.scan = static_cast<std::int64_t>(i);
-    for (std::size_t k = 0; k < points->size(); ++k) keyframe.centre += Eigen::Vector2d(points->x[k], points->y[k]);
-    keyframe.centre /= static_cast<double>(points->size());
-    out.push_back(std::move(keyframe));
+  std::vector<Pose2> T_odom = {poses[0]};
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Pose2 step = poses[i - 1].inverse() * poses[i];
+    T_odom.push_back(T_odom.back() * step * Pose2{0.0, 0.0, bias * std::hypot(step.x, step.y)});
   }
-  return out;
+  auto keyframes = toy_keyframes(walls, poses, random, lidar, [&](std::size_t i) { return T_odom[i]; });
+  for (Keyframe& keyframe : keyframes) {
+    if (bias > 0.0) keyframe.information(2, 2) = 60.0;
+  }
+  return keyframes;
 }
 
 struct Outcome {

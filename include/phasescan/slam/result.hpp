@@ -64,6 +64,8 @@ struct LoopCounts {
   std::size_t accepted = 0;               ///< and not undone since
   std::size_t undone = 0;                 ///< once accepted, taken out again because the graph contradicts them
   std::size_t rejected_inconsistent = 0;  ///< never found others that agree
+  std::size_t rejected_beyond_drift = 0;  ///< asked for more than tracking and earlier loops leave open
+  std::size_t rejected_alike = 0;         ///< several places far from each other look the same
   /// Loops of the graph now: at the end all keyframes are compared with their neighbours again, which is in none of the
   /// counts above.
   std::size_t in_graph = 0;
@@ -76,6 +78,8 @@ struct LoopCounts {
     v("accepted", self.accepted);
     v("undone", self.undone);
     v("rejected_inconsistent", self.rejected_inconsistent);
+    v("rejected_beyond_drift", self.rejected_beyond_drift);
+    v("rejected_alike", self.rejected_alike);
     v("in_graph", self.in_graph);
   }
 };

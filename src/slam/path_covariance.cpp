@@ -1,0 +1,99 @@
+#include "slam/path_covariance.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <cstddef>
+
+#include "odometry/information.hpp"
+
+namespace phasescan {
+namespace {
+
+// What a keyframe is matched with is a map of 16 before it, some of them of other places: an error of its own passes on
+// to those after it by 2 / (n + 1), n = 9 taken. So much more is known of a way than its steps one by one tell.
+constexpr double kMapShare = 25.0;
+// Standard deviations of a step [m], [rad] that come on top of its match, and how large one can be at most: a robot
+// does not jump, whatever its scans leave open.
+constexpr double kFloorM = 0.002, kFloorRad = 0.0007;
+constexpr double kWeakM = 0.2, kWeakRad = 0.1;
+constexpr double kBreakM = 3.0, kBreakRad = 3.0;  // of the guess that ties a node to the one before a break
+// Of tracking that turns too much or too little all the time [rad/m]: half of the worst recorded log.
+constexpr double kTurning = 0.00035;
+constexpr double kLeverM = 10.0;  // a radian counts for as many metres, when ways are compared: half of a large room
+
+/// What errors (x, y, theta) at a point do to another one that lies `ahead` of it, axes alike.
+Eigen::Matrix3d carried(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& ahead) {
+  Eigen::Matrix3d by = Eigen::Matrix3d::Identity();
+  by(0, 2) = -ahead.y();
+  by(1, 2) = ahead.x();
+  return by * covariance * by.transpose();
+}
+
+Eigen::Matrix3d step_covariance(const Keyframe& to) {
+  if (to.new_segment) return Eigen::Vector3d(kBreakM * kBreakM, kBreakM * kBreakM, kBreakRad * kBreakRad).asDiagonal();
+  const Eigen::Matrix3d weak =
+      Eigen::Vector3d(1.0 / (kWeakM * kWeakM), 1.0 / (kWeakM * kWeakM), 1.0 / (kWeakRad * kWeakRad)).asDiagonal();
+  Eigen::Matrix3d covariance = (kMapShare * to.information + weak).inverse();
+  covariance.diagonal() += Eigen::Vector3d(kFloorM * kFloorM, kFloorM * kFloorM, kFloorRad * kFloorRad);
+  return covariance;
+}
+
+}  // namespace
+
+void PathCovariance::hang(const PoseEdge& edge, const Keyframe& to) {
+  const Node& parent = node(edge.from);
+  const Eigen::Matrix3d covariance = edge.robust ? Eigen::Matrix3d(edge.information.inverse()) : step_covariance(to);
+  const double length = parent.length + covariance(0, 0) + covariance(1, 1) + kLeverM * kLeverM * covariance(2, 2);
+  Node& n = nodes_[static_cast<std::size_t>(edge.to)];
+  if (n.parent >= 0 && length >= n.length) return;
+  n.parent = edge.from;
+  n.length = length;
+  const Eigen::Vector2d at = n.pose.translation();
+  n.sums.single = parent.sums.single + carried(rotate_information(covariance, n.pose.theta), -at);
+  const double way = edge.robust ? 0.0 : edge.T_from_to.translation().norm();
+  n.sums.turning = parent.sums.turning + way * Eigen::Vector3d(at.y(), -at.x(), 1.0);
+}
+
+void PathCovariance::rebuild(const GraphSession& session) {
+  nodes_.assign(session.poses().size(), {});
+  for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_[k].pose = session.poses()[k];
+  std::vector<std::vector<const PoseEdge*>> edges(nodes_.size());
+  for (const PoseEdge& edge : session.graph().edges()) {
+    if (edge.enabled && edge.from < edge.to) edges[static_cast<std::size_t>(edge.to)].push_back(&edge);
+  }
+  for (const auto& to_node : edges) {
+    for (const PoseEdge* edge : to_node) hang(*edge, session.keyframes()[static_cast<std::size_t>(edge->to)]);
+  }
+  edges_taken_ = session.graph().edges().size();
+}
+
+void PathCovariance::append(const GraphSession& session) {
+  const auto& edges = session.graph().edges();
+  if (nodes_.empty() && session.last_node() >= 0) nodes_.push_back({.pose = session.poses().front()});
+  for (; edges_taken_ < edges.size(); ++edges_taken_) {
+    const PoseEdge& edge = edges[edges_taken_];
+    const auto newest = static_cast<int>(nodes_.size()) - 1;
+    if (!edge.enabled || edge.from >= edge.to || edge.to < newest) continue;
+    if (edge.to > newest) nodes_.push_back({.pose = session.poses()[static_cast<std::size_t>(edge.to)]});
+    hang(edge, session.keyframes()[static_cast<std::size_t>(edge.to)]);
+  }
+}
+
+Eigen::Matrix3d PathCovariance::between(int from, int to) const {
+  int a = from, b = to;
+  while (a != b) {
+    int& later = a > b ? a : b;
+    if (node(later).parent < 0) break;  // the first node of all is where every way ends
+    later = node(later).parent;
+  }
+  const Node &start = node(from), &end = node(to), &common = node(a);
+  const Eigen::Matrix3d single =
+      carried(end.sums.single + start.sums.single - 2.0 * common.sums.single, end.pose.translation());
+  const Eigen::Vector3d ahead = end.sums.turning - start.sums.turning;
+  const Eigen::Vector2d at = end.pose.translation();
+  const Eigen::Vector3d turning = {ahead.x() - at.y() * ahead.z(), ahead.y() + at.x() * ahead.z(), ahead.z()};
+  const Eigen::Matrix3d known = single + kTurning * kTurning * turning * turning.transpose();
+  return rotate_information(known, -end.pose.theta);
+}
+
+}  // namespace phasescan
