@@ -53,8 +53,7 @@ Json summary_of(const SlamResult& result, const SlamRun& run) {
   const std::size_t untracked = run.usable - std::min(run.usable, run.tracked);
   if (untracked > 0) warnings["scan not matched"] = untracked;
   if (run.new_segments > 0) warnings["tracking begun anew"] = run.new_segments;
-  const std::size_t left_out = result.scans_left_out();
-  if (left_out > 0) warnings["scan not on the map"] = left_out;
+  if (const std::size_t off = result.scans_off_the_map(); off > 0) warnings["scan not on the map"] = off;
   std::size_t occupied = 0, free = 0;
   for (const CellState s : map.cells) occupied += s == CellState::kOccupied, free += s == CellState::kFree;
   return {{"log", std::filesystem::path(run.log).filename().string()},
@@ -96,7 +95,7 @@ Json summary_of(const SlamResult& result, const SlamRun& run) {
             {"occupied_cells", occupied},
             {"free_cells", free},
             {"pieces", result.pieces},
-            {"scans_left_out", left_out}}},
+            {"scans_left_out", result.scans_left_out()}}},
           {"warnings", warnings}};
 }
 
@@ -176,6 +175,13 @@ std::vector<std::string> warning_lines(const Json& summary, const SlamRun& run) 
   return lines;
 }
 
+/// Why a scan counts for nothing.
+Json left_out(const ScanResult& scan) {
+  if (scan.repeated) return "repeated";
+  if (scan.left_out) return "bad scan";
+  return nullptr;
+}
+
 /// A line per scan: when, how it was tracked, where it stands.
 std::string scan_lines(const SlamResult& result) {
   std::string text;
@@ -183,7 +189,7 @@ std::string scan_lines(const SlamResult& result) {
   for (const ScanResult& scan : result.scans) {
     Json line{{"stamp", stamp_to_seconds(scan.stamp)},
               {"status", to_string(scan.status)},
-              {"left_out", scan.repeated ? Json("repeated") : Json(nullptr)},
+              {"left_out", left_out(scan)},
               {"odom_pose", pose(scan.T_odom_base)},
               {"pose", pose(scan.T_map_base)}};
     if (scan.covariance) {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "odometry/information.hpp"
-#include "odometry/tracker.hpp"
+#include "odometry/checked_tracker.hpp"
 #include "slam/finished_map.hpp"
 #include "slam/map_view.hpp"
 #include "slam/slam_state.hpp"
@@ -45,18 +45,29 @@ Keyframe to_keyframe(const TrackedKeyframe& tracked, ScanId scan) {
   return keyframe;
 }
 
+/// Names the scans that were left out, for the verdict.
+void note_bad_scans(SlamResult& result) {
+  RunFinding finding{"bad_scans", 0, 0, "scans that fit neither the one before nor the one after were left out"};
+  for (const ScanResult& scan : result.scans) {
+    if (!scan.left_out) continue;
+    if (finding.count++ == 0) finding.first_stamp = scan.stamp;
+  }
+  if (finding.count > 0) result.findings.push_back(std::move(finding));
+}
+
 }  // namespace
 
 struct Slam::Impl {
   Impl(const SlamOptions& o, Schedule schedule, Executor* executor)
-      : options(validated(o)), tracker(o.odometry, {}, o.match), runner(o, {}, schedule, executor) {}
+      : options(validated(o)), tracker(o.odometry, {}, {}, o.match), runner(o, {}, schedule, executor) {}
   Impl(const SlamState::Data& s, const SlamOptions& o, Schedule schedule, Executor* executor)
       : options(validated(o)),
-        tracker(o.odometry, s.odometry, o.match),
+        tracker(o.odometry, s.odometry, s.suspects, o.match),
         runner(o, s.backend, schedule, executor),
         state(s) {
     // Tracker and runner hold these now: no second copy of keyframes and graph stays as old as the checkpoint.
     state.odometry = {};
+    state.suspects = {};
     state.backend = {};
     runner.set_pending(std::move(state.pending));
   }
@@ -65,9 +76,12 @@ struct Slam::Impl {
   void take_keyframes(const TrackerStep& step, const RangeMeasurement& measurement);
   void take_keyframe(const TrackedKeyframe& tracked, const KeptScan& scan);
   void take_first(const TrackedKeyframe& tracked);
+  void settle(const SettledScan& settled);
+  KeptScan keep_settled(const RangeMeasurement& measurement, ScanId scan);
   const KeptScan& keep(const RangeMeasurement& measurement);
   void record(const TrackerStep& step, const RangeMeasurement& measurement, const ScanUpdate& update);
   void hand_over();
+  void hand_over_full_batch();
   void enter(std::shared_ptr<const BackendResult> result);
   ScanUpdate update_of(const TrackerStep& step, Stamp stamp) const;
   void report(ScanId scan, const std::vector<OddityNote>& notes) const;
@@ -78,7 +92,7 @@ struct Slam::Impl {
   ScanId next_scan() const { return static_cast<ScanId>(state.ledger.records.size()); }
 
   SlamOptions options;
-  Tracker tracker;
+  CheckedTracker tracker;
   BackendRunner runner;
   SlamState::Data state;  // but for odometry and backend, which tracker and runner hold
   SlamObserver* observer = nullptr;
@@ -137,6 +151,37 @@ void Slam::Impl::take_first(const TrackedKeyframe& tracked) {
   state.first.reset();
 }
 
+/// A scan that waited for the next one: a keyframe after all, or left out.
+void Slam::Impl::settle(const SettledScan& settled) {
+  const ScanId id = state.suspect_ids.front();
+  state.suspect_ids.erase(state.suspect_ids.begin());
+  for (const TrackedKeyframe& tracked : settled.step.keyframes)
+    take_keyframe(tracked, keep_settled(settled.measurement, id));
+  if (settled.step.keyframe) state.keyframe_covariance = settled.step.covariance;
+  for (auto i = static_cast<std::size_t>(id); i < state.ledger.records.size(); ++i) {
+    ScanRecord& record = state.ledger.records[i];
+    if (i > static_cast<std::size_t>(id) && !record.repeated) break;
+    record.keyframe = state.ledger.keyframes - 1;
+    record.set(state.T_odom_keyframe.inverse() * settled.step.T_odom_stamp);
+    record.status = settled.step.status;
+    record.left_out = settled.left_out;
+  }
+  if (settled.left_out) {
+    const OddityNote note{"bad scan", false, "a scan that fits neither the one before nor the one after; left out"};
+    note_oddity(state.input, note, id);
+    report(id, {note});
+  }
+  hand_over_full_batch();
+}
+
+KeptScan Slam::Impl::keep_settled(const RangeMeasurement& measurement, ScanId scan) {
+  if (bounded()) return {scan, nullptr, std::make_shared<const Scan>(measurement.scan)};
+  // Where all scans are kept each has its own number in the store.
+  const std::size_t index =
+      keeps_all() ? static_cast<std::size_t>(scan) : state.store.add(measurement.scan, measurement.T_base_laser);
+  return {scan, state.store.stored(index), nullptr};
+}
+
 /// The scan as keyframes have it.
 const KeptScan& Slam::Impl::keep(const RangeMeasurement& measurement) {
   if (kept.scan == next_scan()) return kept;
@@ -169,6 +214,10 @@ void Slam::Impl::hand_over() {
   backend_cpu_s += thread_cpu_seconds() - before;
 }
 
+void Slam::Impl::hand_over_full_batch() {
+  if (state.batch.size() >= static_cast<std::size_t>(options.slam.batch_nodes)) hand_over();
+}
+
 void Slam::Impl::enter(std::shared_ptr<const BackendResult> result) {
   const Pose2 before = state.entered ? state.entered->snapshot->T_map_odom : Pose2{};
   state.entered = std::move(result);
@@ -185,7 +234,6 @@ ScanUpdate Slam::Impl::update_of(const TrackerStep& step, Stamp stamp) const {
   update.T_odom_base = step.T_odom_stamp;
   update.odom_covariance = step.covariance;
   update.twist = step.twist;
-  if (!step.keyframes.empty()) update.keyframe = state.ledger.keyframes - 1;
   update.diagnostics = step.diagnostics;
   if (!state.entered) return update;
   const BackendSnapshot& map = *state.entered->snapshot;
@@ -219,11 +267,16 @@ ScanUpdate Slam::add(const RangeMeasurement& measurement) {
   const InputVerdict verdict = check_input(self.state.input, measurement, scan);
   self.report(scan, verdict.notes);
   if (verdict.repeated) return self.repeat(measurement);
-  const TrackerStep step = self.tracker.add(measurement);
+  const CheckedStep checked = self.tracker.add(measurement);
+  const TrackerStep& step = checked.step;
+  const std::int32_t keyframes_before = self.state.ledger.keyframes;
+  for (const SettledScan& settled : checked.settled) self.settle(settled);
+  if (checked.suspect) self.state.suspect_ids.push_back(scan);
   self.take_keyframes(step, measurement);
-  if (self.state.batch.size() >= static_cast<std::size_t>(self.options.slam.batch_nodes)) self.hand_over();
+  self.hand_over_full_batch();
   if (std::shared_ptr<const BackendResult> result = self.runner.take()) self.enter(std::move(result));
-  const ScanUpdate update = self.update_of(step, measurement.scan.stamp);
+  ScanUpdate update = self.update_of(step, measurement.scan.stamp);
+  if (self.state.ledger.keyframes > keyframes_before) update.keyframe = self.state.ledger.keyframes - 1;
   self.record(step, measurement, update);
   self.state.last = update;
   return update;
@@ -252,6 +305,7 @@ SlamState Slam::checkpoint() {
   self.runner.wait();
   auto data = std::make_shared<SlamState::Data>(self.state);
   data->odometry = self.tracker.state();
+  data->suspects = self.tracker.suspects();
   data->backend = self.runner.idle().state();
   data->pending = self.runner.pending();
 
@@ -262,7 +316,8 @@ SlamResult Slam::finish() {
   Impl& self = *impl_;
   if (std::exchange(self.finished, true)) throw std::logic_error("Slam::finish: the run is finished already");
   const double before = thread_cpu_seconds();
-  for (const TrackedKeyframe& tracked : self.tracker.finish()) self.take_first(tracked);
+  for (const TrackedKeyframe& tracked : self.tracker.first_keyframe()) self.take_first(tracked);
+  for (const SettledScan& settled : self.tracker.finish()) self.settle(settled);
   self.runner.wait();
   self.runner.finish(std::exchange(self.state.batch, {}));
   const Backend& backend = self.runner.idle();
@@ -274,6 +329,7 @@ SlamResult Slam::finish() {
   SlamResult result = make_result(backend, ledger, std::move(poses), refined, self.options);
   result.wheels = self.tracker.state().motion.wheels.counts;
   result.oddities = self.state.input.oddities;
+  note_bad_scans(result);
   self.backend_cpu_s = thread_cpu_seconds() - before;
   return result;
 }
@@ -295,6 +351,11 @@ std::size_t SlamState::scans() const {
 }
 
 std::size_t SlamResult::scans_left_out() const {
+  return static_cast<std::size_t>(
+      std::count_if(scans.begin(), scans.end(), [](const ScanResult& s) { return !s.on_map || s.left_out; }));
+}
+
+std::size_t SlamResult::scans_off_the_map() const {
   return static_cast<std::size_t>(
       std::count_if(scans.begin(), scans.end(), [](const ScanResult& s) { return !s.on_map; }));
 }

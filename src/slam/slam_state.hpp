@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "odometry/checked_tracker.hpp"
 #include "odometry/state.hpp"
 #include "phasescan/slam/slam.hpp"
 #include "slam/backend_runner.hpp"
@@ -31,6 +32,8 @@ struct KeptScan {
 struct SlamState::Data {
   static constexpr int kVersion = 1;
   OdometryState odometry;
+  SuspectState suspects;
+  std::vector<ScanId> suspect_ids;  ///< of the scans in it
   BackendState backend;  ///< after the batch that was in work
   InputCheckState input;
   ScanLedger ledger;
@@ -46,6 +49,8 @@ struct SlamState::Data {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("odometry", self.odometry);
+    v("suspects", self.suspects);
+    v("suspect_ids", self.suspect_ids);
     v("backend", self.backend);
     v("input", self.input);
     v("ledger", self.ledger);
