@@ -281,9 +281,10 @@ std::vector<Finding> LogDoctor::findings(const std::map<std::string, std::string
     find_in_stamps(laser, out);
     find_in_motion(laser.motion.counts(), out);
     if (!laser.body.sectors.empty()) {
-      out.push_back({"own body", "the range in " + format_sectors(laser.body.sectors) + " does not depend on the scene",
-                     "the robot itself is in the view: it would hold poses and stand in the map wherever it drove; slam leaves it out",
-                     "--mask FROM:TO leaves it out everywhere"});
+      out.push_back(
+          {"own body", "the range in " + format_sectors(laser.body.sectors) + " does not depend on the scene",
+           "the robot itself is in the view: it would hold poses and stand in the map wherever it drove; slam leaves it out",
+           "--mask FROM:TO leaves it out everywhere"});
     }
     if (impl_->lasers.size() == 1) continue;
     for (std::size_t i = before; i < out.size(); ++i) out[i].seen = name + ": " + out[i].seen;

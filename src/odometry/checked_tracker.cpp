@@ -1,8 +1,6 @@
 #include "odometry/checked_tracker.hpp"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <utility>
 
 #include "core/motion.hpp"
@@ -16,14 +14,14 @@ constexpr double kPerM = 2.0, kPerRad = 2.0;
 constexpr double kNotMatched = 1.0;  // the same of a scan that was not matched
 // More than the first makes a scan suspect (99 of 100 sound scans have less). The next ones must lack so much less,
 // together, where it is left out than where it counts.
-constexpr double kSuspect = 0.2, kMargin = 0.2;
-constexpr double kEachLeftOut = 0.05;    // what speaks against leaving out another scan
-// Of the next scan without them: else it fits no better. Turns begin and end too, so much more is held against bad ones.
+constexpr double kSuspect = 0.2, kMargin = 0.3;
+constexpr double kEachLeftOut = 0.05;  // what speaks against leaving out another scan
+// Of the next scan without them: else it fits no better. Turns begin and end too, so much more is held against bad
+// ones.
 constexpr double kMostAfter = 0.5, kFarBetter = 1.0 / 3.0;
-constexpr std::size_t kMostInARow = 3;   // scans that wait
+constexpr std::size_t kMostInARow = 3;  // scans that wait
 
 double against(const TrackerStep& step) {
-  if (std::getenv("FITDUMP")) std::fprintf(stderr, "AG %d st %d %.3f %.3f %.3f\n", step.fit.judged, int(step.status), step.fit.score_share, step.fit.off_m, step.fit.off_rad);
   if (!step.fit.judged) return 0.0;
   if (!step.tracked()) return kNotMatched;
   return std::max(0.0, 1.0 - step.fit.score_share) + kPerM * step.fit.off_m + kPerRad * step.fit.off_rad;
@@ -67,9 +65,8 @@ CheckedStep CheckedTracker::add_after_suspects(const RangeMeasurement& measureme
   out.step = tracker_.add(measurement);
   const double last = against(out.step);
   with_them += last;
-  if (std::getenv("FITDUMP")) std::fprintf(stderr, "TWO %ld without %.3f with %.3f last %.3f n %.0f\n", long(after.scans), without_them, with_them, last, count);
-  const bool fits_before = without.fit.judged && without.tracked() && 
-      (without_them < kMostAfter || without_them < kFarBetter * with_them);
+  const bool fits_before =
+      without.fit.judged && without.tracked() && (without_them < kMostAfter || without_them < kFarBetter * with_them);
   if (fits_before && without_them + kMargin < with_them) {
     tracker_.restore(std::move(after_without));
     out.step = std::move(without);
@@ -90,7 +87,8 @@ std::vector<SettledScan> CheckedTracker::finish() {
 
 void CheckedTracker::leave_out(const TrackerStep& next, std::vector<SettledScan>& settled) {
   const Pose2 T_odom_before = suspects_.before->T_odom_mid;
-  const Pose2 way = T_odom_before.inverse() * next.T_odom_mid, T_mid_stamp = next.T_odom_mid.inverse() * next.T_odom_stamp;
+  const Pose2 way = T_odom_before.inverse() * next.T_odom_mid,
+              T_mid_stamp = next.T_odom_mid.inverse() * next.T_odom_stamp;
   const double parts = static_cast<double>(suspects_.scans.size()) + 1.0;
   double part = 0.0;
   for (SuspectScan& suspect : suspects_.scans) {

@@ -9,12 +9,12 @@
 namespace phasescan {
 namespace {
 
-constexpr float kFarthestM = 2.5F;                 // [m] parts of a robot are nearer
+constexpr float kFarthestM = 2.5F;                   // [m] parts of a robot are nearer
 constexpr float kSameM = 0.03F, kSameShare = 0.02F;  // [m], of the range: three standard deviations of cheap sensors
-constexpr float kChangedM = 0.1F;                  // [m] beyond that the range changed
-constexpr double kChangedShare = 0.15;             // of the directions: the robot moved, or much moved around it
+constexpr float kChangedM = 0.1F;                    // [m] beyond that the range changed
+constexpr double kChangedShare = 0.15;               // of the directions: the robot moved, or much moved around it
 constexpr double kLeastMoveM = 0.15, kLeastMoveRad = 0.12;  // [m], [rad] of a pair that tells something
-constexpr double kThroughM = 0.12;                 // [m] a scan looked through a place if it saw so much farther
+constexpr double kThroughM = 0.12;  // [m] a scan looked through a place if it saw so much farther
 // Pairs until it is decided, and where something is suspect; and matches tried for them.
 constexpr std::size_t kPairs = 12, kMostPairs = 40, kMostTries = 80;
 // A direction belongs to the body if its range was the same in this share of the pairs, and contradicts the scene in so
@@ -99,14 +99,18 @@ void vote(const Bins& before, const Bins& now, const Pose2& T_before_now, OwnBod
 }
 
 bool always_same(const BodyVotes& votes, std::size_t pairs) {
-  return 3 * votes.seen >= pairs && votes.same >= kSameShareOfPairs * static_cast<double>(votes.seen) && votes.same >= kContradicted;
+  return 3 * votes.seen >= pairs && votes.same >= kSameShareOfPairs * static_cast<double>(votes.seen) &&
+         votes.same >= kContradicted;
 }
 
-/// Runs of directions that never change, in which enough contradict the scene. What no pair saw there does not end them.
+/// Runs of directions that never change, in which enough contradict the scene. What no pair saw there does not end
+/// them.
 std::vector<BodySector> sectors_of(const OwnBodyState& state) {
   std::array<bool, kBodyBins> body{};
   for (std::size_t k = 0; k < kBodyBins; ++k) body[k] = always_same(state.votes[k], state.pairs);
-  const auto at = [](std::size_t k, int step) { return (k + 2 * kBodyBins + static_cast<std::size_t>(step)) % kBodyBins; };
+  const auto at = [](std::size_t k, int step) {
+    return (k + 2 * kBodyBins + static_cast<std::size_t>(step)) % kBodyBins;
+  };
   const std::array<bool, kBodyBins> same = body;
   for (std::size_t k = 0; k < kBodyBins; ++k) {
     for (int gap = 1; same[k] && gap <= kGapBins && state.votes[at(k, gap)].seen == 0; ++gap) {
@@ -131,7 +135,7 @@ std::vector<BodySector> sectors_of(const OwnBodyState& state) {
 /// Something is the same in all pairs so far, and contradicts the scene in some.
 bool is_suspect(const OwnBodyState& state) {
   return std::count_if(state.votes.begin(), state.votes.end(), [&](const BodyVotes& v) {
-           return v.contradicted >= 2 && always_same(v, state.pairs);
+           return v.contradicted >= 1 && always_same(v, state.pairs);
          }) >= kLeastBins;
 }
 

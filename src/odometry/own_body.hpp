@@ -32,9 +32,9 @@ Scan without_sectors(const Scan& scan, const std::vector<BodySector>& sectors);
 
 /// What pairs of scans said of one direction.
 struct BodyVotes {
-  std::uint16_t seen = 0;           ///< pairs in which both scans have a range here
-  std::uint16_t same = 0;           ///< it was the same in both
-  std::uint16_t contradicted = 0;   ///< and something that stands in the scene cannot have stood there in both
+  std::uint16_t seen = 0;          ///< pairs in which both scans have a range here
+  std::uint16_t same = 0;          ///< it was the same in both
+  std::uint16_t contradicted = 0;  ///< and something that stands in the scene cannot have stood there in both
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {

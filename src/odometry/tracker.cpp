@@ -221,7 +221,9 @@ bool Tracker::is_matched(const Scanned& scanned, const PoseSolution& pose) {
 void Tracker::judge_fit(const Scanned& scanned, double score_share, const Pose2& step_before, const Pose2& moved,
                         TrackerStep& step) const {
   const MotionInput& motion = scanned.motion;
-  if (state_.first || scanned.new_laser || scanned.policy.always_try_last_scan || motion.timing.gap || !scanned.frame.has_enough_points()) return;
+  if (state_.first || scanned.new_laser || scanned.policy.always_try_last_scan || motion.timing.gap ||
+      !scanned.frame.has_enough_points())
+    return;
   step.fit.judged = true;
   step.fit.score_share = step.tracked() ? score_share : 0.0;
   const auto consider = [&](const Pose2& expected, bool nearest) {

@@ -62,7 +62,8 @@ void note_body(const SlamState::Data& state, SlamResult& result) {
   for (const auto& [laser, body] : state.bodies) {
     if (body.sectors.empty()) continue;
     const auto oddity = state.input.oddities.find("own body");
-    RunFinding finding{"own_body", body.sectors.size(), 0, "the robot itself is seen in " + format_sectors(body.sectors) + "; left out"};
+    RunFinding finding{"own_body", body.sectors.size(), 0,
+                       "the robot itself is seen in " + format_sectors(body.sectors) + "; left out"};
     if (oddity != state.input.oddities.end() && static_cast<std::size_t>(oddity->second.first) < result.scans.size())
       finding.first_stamp = result.scans[static_cast<std::size_t>(oddity->second.first)].stamp;
     result.findings.push_back(std::move(finding));
@@ -359,8 +360,7 @@ ScanUpdate Slam::add(const RangeMeasurement& measurement) {
   const InputVerdict verdict = check_input(self.state.input, measurement, scan);
   self.report(scan, verdict.notes);
   const bool begins_anew = self.look_for_body(measurement, verdict.repeated) && !self.state.beginning.empty();
-  const ScanUpdate update =
-      begins_anew ? self.begin_anew() : self.track_scene(measurement, verdict.repeated);
+  const ScanUpdate update = begins_anew ? self.begin_anew() : self.track_scene(measurement, verdict.repeated);
   const bool undecided = std::any_of(self.state.bodies.begin(), self.state.bodies.end(),
                                      [](const auto& body) { return !body.second.decided; });
   if (!undecided) self.state.beginning = {};

@@ -46,7 +46,7 @@ struct SlamState::Data {
   static constexpr int kVersion = 1;
   OdometryState odometry;
   SuspectState suspects;
-  std::vector<ScanId> suspect_ids;  ///< of the scans in it
+  std::vector<ScanId> suspect_ids;         ///< of the scans in it
   std::map<LaserId, OwnBodyState> bodies;  ///< the robot in the view of each laser
   /// The measurements so far, until that is decided: where a body is found the run begins anew without it. Empty once
   /// it is decided, or where there came too many.

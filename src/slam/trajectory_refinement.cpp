@@ -52,7 +52,8 @@ Pose2 refine_pose(const LocalMap& map, const MapPoints& points, const Pose2& T_m
 }
 
 /// Scans that were left out move as the one before them did.
-void place_between_neighbours(std::span<const ScanRecord> records, std::span<const Pose2> guess, std::vector<Pose2>& out) {
+void place_between_neighbours(std::span<const ScanRecord> records, std::span<const Pose2> guess,
+                              std::vector<Pose2>& out) {
   for (std::size_t i = 1; i < records.size(); ++i) {
     if (records[i].left_out) out[i] = out[i - 1] * (guess[i - 1].inverse() * guess[i]);
   }
