@@ -14,6 +14,7 @@ constexpr float kSameM = 0.03F, kSameShare = 0.02F;  // [m], of the range: three
 constexpr float kChangedM = 0.1F;                    // [m] beyond that the range changed
 constexpr double kChangedShare = 0.15;               // of the directions: the robot moved, or much moved around it
 constexpr double kLeastMoveM = 0.15, kLeastMoveRad = 0.12;  // [m], [rad] of a pair that tells something
+constexpr int kWaitScans = 3;                               // until a pair that moved less is tried again
 constexpr double kThroughM = 0.12;  // [m] a scan looked through a place if it saw so much farther
 // Pairs until it is decided, and where something is suspect; and matches tried for them.
 constexpr std::size_t kPairs = 12, kMostPairs = 40, kMostTries = 80;
@@ -170,6 +171,10 @@ bool OwnBody::add(const Scan& scan, OwnBodyState& state) {
     state.reference = scan;
     return false;
   }
+  if (state.wait > 0) {
+    --state.wait;
+    return false;
+  }
   Bins before, now;
   fill_bins(*state.reference, before);
   fill_bins(scan, now);
@@ -178,8 +183,12 @@ bool OwnBody::add(const Scan& scan, OwnBodyState& state) {
   for (std::size_t k = 0; k < kBodyBins; ++k) same[k] = is_same(before[k], now[k]);
   const MatchResult match = matcher_.match(without_bins(*state.reference, same), without_bins(scan, same));
   const Pose2& moved = match.T_ref_scan;
+  if (match.usable && std::hypot(moved.x, moved.y) < kLeastMoveM && std::abs(moved.theta) < kLeastMoveRad) {
+    state.wait = kWaitScans;
+    return false;
+  }
   ++state.tried;
-  if (match.usable && (std::hypot(moved.x, moved.y) > kLeastMoveM || std::abs(moved.theta) > kLeastMoveRad)) {
+  if (match.usable) {
     ++state.pairs;
     vote(before, now, moved, state);
   }

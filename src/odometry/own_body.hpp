@@ -50,6 +50,7 @@ struct OwnBodyState {
   std::array<BodyVotes, kBodyBins> votes{};
   std::optional<Scan> reference;  ///< the first scan of the next pair
   std::size_t pairs = 0, tried = 0;
+  int wait = 0;                     ///< scans to be passed over
   bool decided = false;             ///< the sectors are final
   std::vector<BodySector> sectors;  ///< empty: no body was found
 
@@ -59,6 +60,7 @@ struct OwnBodyState {
     v("reference", self.reference);
     v("pairs", self.pairs);
     v("tried", self.tried);
+    v("wait", self.wait);
     v("decided", self.decided);
     v("sectors", self.sectors);
   }
