@@ -102,7 +102,8 @@ std::vector<TrackedKeyframe> Tracker::finish() {
 
 Tracker::Scanned Tracker::begin(const RangeMeasurement& measurement) {
   Scanned scanned{measurement, {}, {}, {}, false, {}};
-  const ScanTiming timing = state_.clock.add(measurement.scan);
+  ScanTiming timing = state_.clock.add(measurement.scan);
+  if (!options_.deskew) timing.duration_s = 0.0;  // all beams of one time: that of the stamp
   scanned.motion = state_.motion.begin_scan(timing, measurement.T_odom_base, options_);
   scanned.policy = search_policy(state_.motion.variability, options_);
   scanned.frame = frame_of(measurement, scanned.motion.twist, timing.duration_s, scanned.policy);
@@ -176,11 +177,11 @@ Tracker::Solution Tracker::solve(Scanned& scanned) {
 
 std::optional<LastScanMatch> Tracker::match_last_scan(const Scanned& scanned) {
   const RangeMeasurement& measurement = scanned.measurement;
-  const std::optional<ScanToScan::Found> found =
-      scan_to_scan_.find(state_.last_scans, without_moving_objects(measurement, scanned.frame), scanned.motion.twist);
-  if (!found) return std::nullopt;
   // Where the scan's points are expressed, seen from its stamp.
   const Twist2 used = options_.deskew ? scanned.motion.twist : Twist2{};
+  const std::optional<ScanToScan::Found> found =
+      scan_to_scan_.find(state_.last_scans, without_moving_objects(measurement, scanned.frame), used);
+  if (!found) return std::nullopt;
   const Pose2 T_stamp_mid = exp_twist(used, middle_of_turn_s(measurement.scan, scanned.motion.timing.duration_s));
   const Pose2& T_odom_map = map_.T_world_map();
   return LastScanMatch{T_odom_map.inverse() * (found->T_odom_base * T_stamp_mid),
