@@ -73,6 +73,13 @@ def table(rows):
     return ["kind", "sensor", "world", "wheels", "worst ATE [m]", "median", "over the limit", "seeds over", "left out"], lines
 
 
+def print_table(rows):
+    header, lines = table(rows)
+    print("| " + " | ".join(header) + " |\n|" + "---|" * 4 + "---:|" * (len(header) - 4))
+    for line in lines:
+        print("| " + " | ".join(map(str, line)) + " |")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=10)
@@ -86,10 +93,7 @@ def main():
     rows = run(**flags)
     if as_json:
         return print(json.dumps(rows, indent=1))
-    header, lines = table(rows)
-    print("| " + " | ".join(header) + " |\n|" + "---|" * 4 + "---:|" * (len(header) - 4))
-    for line in lines:
-        print("| " + " | ".join(map(str, line)) + " |")
+    print_table(rows)
 
 
 if __name__ == "__main__":
