@@ -53,15 +53,16 @@ class ScanProgress {
 class FirstSeen final : public SlamObserver {
  public:
   FirstSeen(const std::string& log, std::map<std::string, std::string>& out) : log_(log), out_(out) {}
-  void set_line(long line) { line_ = line; }
-  void on_warning(ScanId, const std::string& kind, const std::string& what, bool) override {
-    out_.emplace(kind, log_ + ":" + std::to_string(line_) + ": " + what);
+  /// Of the next scan.
+  void add_line(long line) { lines_.push_back(line); }
+  void on_warning(ScanId scan, const std::string& kind, const std::string& what, bool) override {
+    out_.emplace(kind, log_ + ":" + std::to_string(lines_.at(static_cast<std::size_t>(scan))) + ": " + what);
   }
 
  private:
   const std::string& log_;
   std::map<std::string, std::string>& out_;
-  long line_ = 0;
+  std::vector<long> lines_;  // of each scan
 };
 
 void count(const ScanUpdate& update, bool usable, SlamRun& run) {
@@ -89,7 +90,7 @@ void feed(JudgedLog& log, Slam& slam, SlamRecording* recording, const SlamFlags&
     if (slam.scans() == 0) run.T_base_laser = entry->T_base_laser, run.flipped = entry->flipped;
     if (flags.beam_step > 1) entry->scan = reduce_scan(entry->scan, 0.0, flags.beam_step);
     if (recording != nullptr) recording->add(*entry);
-    first_seen.set_line(entry->line);
+    first_seen.add_line(entry->line);
     RangeMeasurement measurement = to_measurement(std::move(*entry));
     if (!run.odometry_used) measurement.T_odom_base.reset();
     const double cpu = thread_cpu_seconds(), wall = wall_seconds();
@@ -139,7 +140,7 @@ int report_run(const LogReader& reader, const SlamResult& result, const SlamFlag
     const std::string times = " (" + std::to_string(oddity.count) + " times: " + kind + ")";
     warn(run.first_seen.at(kind) + (oddity.count > 1 ? times : ""));
   }
-  if (const std::size_t left_out = result.scans_left_out(); left_out > 0) {
+  if (const std::size_t left_out = result.scans_off_the_map(); left_out > 0) {
     warn(flags.log + ": the map is in " + std::to_string(result.pieces) + " pieces that nothing ties; " +
          std::to_string(left_out) + " scans are not on it");
   }

@@ -10,7 +10,11 @@
 
 #include "eval/log_stamps.hpp"
 #include "eval/motion_check.hpp"
+<<<<<<< HEAD
 #include "phasescan/core/pose2.hpp"
+=======
+#include "odometry/own_body.hpp"
+>>>>>>> m2
 
 namespace phasescan {
 namespace {
@@ -27,6 +31,8 @@ struct Laser {
   std::vector<std::uint32_t> hits;  ///< by beam, while the count of beams stays
   StampStatistics stamps;
   MotionCheck motion;
+  OwnBody own_body;
+  OwnBodyState body;
 };
 
 constexpr std::size_t kMostSweeps = 4096;
@@ -258,6 +264,7 @@ void LogDoctor::add(const LogEntry& entry) {
   count_scan(laser, entry.scan);
   laser.stamps.add(entry.scan.stamp);
   laser.motion.add(entry);
+  laser.own_body.add(entry.scan, laser.body);
 }
 
 std::vector<Finding> LogDoctor::findings(const std::map<std::string, std::string>& facts,
@@ -276,6 +283,12 @@ std::vector<Finding> LogDoctor::findings(const std::map<std::string, std::string
     find_in_scans(laser, out);
     find_in_stamps(laser, out);
     find_in_motion(laser.motion.counts(), out);
+    if (!laser.body.sectors.empty()) {
+      out.push_back(
+          {"own body", "the range in " + format_sectors(laser.body.sectors) + " does not depend on the scene",
+           "the robot itself is in the view: it would hold poses and stand in the map wherever it drove; slam leaves it out",
+           "--mask FROM:TO leaves it out everywhere"});
+    }
     if (impl_->lasers.size() == 1) continue;
     for (std::size_t i = before; i < out.size(); ++i) out[i].seen = name + ": " + out[i].seen;
   }

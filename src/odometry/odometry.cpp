@@ -1,6 +1,6 @@
 #include "phasescan/odometry/odometry.hpp"
 
-#include "odometry/tracker.hpp"
+#include "odometry/checked_tracker.hpp"
 
 namespace phasescan {
 
@@ -21,16 +21,16 @@ const char* to_string(TrackingStatus status) {
 }
 
 struct Odometry::Impl {
-  Tracker tracker;
+  CheckedTracker tracker;
 };
 
-Odometry::Odometry(const OdometryOptions& options) : impl_(std::make_unique<Impl>(Impl{Tracker(options)})) {}
+Odometry::Odometry(const OdometryOptions& options) : impl_(std::make_unique<Impl>(Impl{CheckedTracker(options)})) {}
 Odometry::~Odometry() = default;
 Odometry::Odometry(Odometry&&) noexcept = default;
 Odometry& Odometry::operator=(Odometry&&) noexcept = default;
 
 OdometryUpdate Odometry::add(const RangeMeasurement& measurement) {
-  const TrackerStep step = impl_->tracker.add(measurement);
+  const TrackerStep step = impl_->tracker.add(measurement).step;
   return {step.stamp, step.status, step.T_odom_stamp, step.covariance, step.twist, step.keyframe, step.diagnostics};
 }
 

@@ -65,6 +65,8 @@ TrackerStep Tracker::add(const RangeMeasurement& measurement) {
     start(scanned, step);
   } else {
     expect(scanned);
+    const double usual_score = state_.usual_score;
+    const Pose2 step_before = state_.motion.step;
     const Solution solution = solve(scanned);
     const PoseSolution& pose = solution.pose;
     step.diagnostics.overlap = pose.found.overlap;
@@ -72,12 +74,23 @@ TrackerStep Tracker::add(const RangeMeasurement& measurement) {
     step.diagnostics.wide_search = pose.wide_search;
     step.diagnostics.full_search = pose.full_search;
     const Pose2 moved = is_matched(scanned, pose) ? correct(scanned, pose, step) : coast(scanned, step);
+    judge_fit(scanned, pose.score / usual_score, step_before, moved, step);
     move(scanned, moved, step);
     remember(scanned, step);
     if (state_.first) emit_first(solution.first_deskewed, step);
   }
   ++state_.scans;
   return step;
+}
+
+void Tracker::restore(OdometryState state) {
+  const auto same = [](const WindowKeyframe& a, const WindowKeyframe& b) {
+    return a.points == b.points && a.T_odom_base == b.T_odom_base;
+  };
+  const bool same_map =
+      std::equal(state.window.begin(), state.window.end(), state_.window.begin(), state_.window.end(), same);
+  state_ = std::move(state);
+  if (!same_map && !state_.window.empty()) rebuild_map();
 }
 
 std::vector<TrackedKeyframe> Tracker::finish() {
@@ -89,7 +102,8 @@ std::vector<TrackedKeyframe> Tracker::finish() {
 
 Tracker::Scanned Tracker::begin(const RangeMeasurement& measurement) {
   Scanned scanned{measurement, {}, {}, {}, false, {}};
-  const ScanTiming timing = state_.clock.add(measurement.scan);
+  ScanTiming timing = state_.clock.add(measurement.scan);
+  if (!options_.deskew) timing.duration_s = 0.0;  // all beams of one time: that of the stamp
   scanned.motion = state_.motion.begin_scan(timing, measurement.T_odom_base, options_);
   scanned.policy = search_policy(state_.motion.variability, options_);
   scanned.frame = frame_of(measurement, scanned.motion.twist, timing.duration_s, scanned.policy);
@@ -163,11 +177,11 @@ Tracker::Solution Tracker::solve(Scanned& scanned) {
 
 std::optional<LastScanMatch> Tracker::match_last_scan(const Scanned& scanned) {
   const RangeMeasurement& measurement = scanned.measurement;
-  const std::optional<ScanToScan::Found> found =
-      scan_to_scan_.find(state_.last_scans, without_moving_objects(measurement, scanned.frame), scanned.motion.twist);
-  if (!found) return std::nullopt;
   // Where the scan's points are expressed, seen from its stamp.
   const Twist2 used = options_.deskew ? scanned.motion.twist : Twist2{};
+  const std::optional<ScanToScan::Found> found =
+      scan_to_scan_.find(state_.last_scans, without_moving_objects(measurement, scanned.frame), used);
+  if (!found) return std::nullopt;
   const Pose2 T_stamp_mid = exp_twist(used, middle_of_turn_s(measurement.scan, scanned.motion.timing.duration_s));
   const Pose2& T_odom_map = map_.T_world_map();
   return LastScanMatch{T_odom_map.inverse() * (found->T_odom_base * T_stamp_mid),
@@ -203,6 +217,23 @@ bool Tracker::is_matched(const Scanned& scanned, const PoseSolution& pose) {
     return false;
   }
   return scanned.new_laser || found.overlap >= options_.min_overlap;
+}
+
+void Tracker::judge_fit(const Scanned& scanned, double score_share, const Pose2& step_before, const Pose2& moved,
+                        TrackerStep& step) const {
+  const MotionInput& motion = scanned.motion;
+  if (state_.first || scanned.new_laser || scanned.policy.always_try_last_scan || motion.timing.gap ||
+      !scanned.frame.has_enough_points())
+    return;
+  step.fit.judged = true;
+  step.fit.score_share = step.tracked() ? score_share : 0.0;
+  const auto consider = [&](const Pose2& expected, bool nearest) {
+    const Pose2 off = expected.inverse() * moved;
+    const double m = std::hypot(off.x, off.y), rad = std::abs(off.theta);
+    if (!nearest || m + rad < step.fit.off_m + step.fit.off_rad) step.fit.off_m = m, step.fit.off_rad = rad;
+  };
+  consider(scale_motion(step_before, motion.timing.periods), false);
+  if (motion.wheel_step) consider(*motion.wheel_step, true);
 }
 
 Pose2 Tracker::correct(const Scanned& scanned, const PoseSolution& pose, TrackerStep& step) {

@@ -23,6 +23,22 @@
 
 namespace phasescan {
 
+/// How well a scan fits what came before it.
+struct ScanFit {
+  bool judged = false;       ///< false: nothing before it says what to expect
+  double score_share = 0.0;  ///< of the usual score that it reaches on the map
+  /// How far its motion is off that of the scan before and off the wheels', the nearer of them [m], [rad].
+  double off_m = 0.0, off_rad = 0.0;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("judged", self.judged);
+    v("score_share", self.score_share);
+    v("off_m", self.off_m);
+    v("off_rad", self.off_rad);
+  }
+};
+
 /// What one scan brought. Poses of the base; "mid" is the middle of the scan's turn, "stamp" its first beam.
 struct TrackerStep {
   Stamp stamp = 0;
@@ -34,10 +50,31 @@ struct TrackerStep {
   Twist2 twist;                                           ///< of the base [m/s, rad/s], 0 where time is unknown
   bool keyframe = false;                                  ///< the scan became part of the local map
   TrackingDiagnostics diagnostics;
+  ScanFit fit;
   /// Final, in order. The keyframe of the first scan comes with the second one, others with their own scan.
   std::vector<TrackedKeyframe> keyframes;
 
   bool tracked() const { return is_tracked(status); }
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("stamp", self.stamp);
+    v("status", self.status);
+    v("T_odom_mid", self.T_odom_mid);
+    v("T_odom_stamp", self.T_odom_stamp);
+    v("covariance", self.covariance);
+    v("information", self.information);
+    v("twist", self.twist);
+    v("keyframe", self.keyframe);
+    v("overlap", self.diagnostics.overlap);
+    v("residual_m", self.diagnostics.residual_m);
+    v("wide_search", self.diagnostics.wide_search);
+    v("full_search", self.diagnostics.full_search);
+    v("new_segment", self.diagnostics.new_segment);
+    v("wheels", self.diagnostics.wheels);
+    v("fit", self.fit);
+    v("keyframes", self.keyframes);
+  }
 };
 
 /// Deterministic; bounded work and memory per scan. The state is all it knows: a tracker made from a copy goes on with
@@ -50,6 +87,8 @@ class Tracker {
 
   /// The next scan, of any laser of the robot.
   TrackerStep add(const RangeMeasurement& measurement);
+  /// Goes on from another state, as if it had been made of it.
+  void restore(OdometryState state);
   /// The keyframe of a log of one scan, where no second came.
   std::vector<TrackedKeyframe> finish();
 
@@ -81,6 +120,8 @@ class Tracker {
   void solve_deskewed(Scanned& scanned, Solution& solution);
   void deskew_first(const Twist2& twist, const SearchPolicy& policy);
   bool is_matched(const Scanned& scanned, const PoseSolution& pose);
+  void judge_fit(const Scanned& scanned, double score_share, const Pose2& step_before, const Pose2& moved,
+                 TrackerStep& step) const;
   Pose2 correct(const Scanned& scanned, const PoseSolution& pose, TrackerStep& step);
   Pose2 coast(const Scanned& scanned, TrackerStep& step);
   void move(const Scanned& scanned, const Pose2& moved, TrackerStep& step);

@@ -162,7 +162,7 @@ void add_map(const SlamResult& result, const Way& way, HtmlReport& html) {
   picture.way(way.poses, way.on_map, false, {std::string(palette::kMuted), 1.2, "5 4"});
   picture.way(way.poses, way.on_map, true, {std::string(palette::kBlue), 1.5});
   std::string caption = "White: free, black: occupied, grey: unknown. Blue: the way of the robot.";
-  if (const std::size_t left_out = result.scans_left_out(); left_out > 0) {
+  if (const std::size_t left_out = result.scans_off_the_map(); left_out > 0) {
     caption += fmt::format(
         " Dashed: {} scans that nothing ties to this map; it is not drawn from them, and where they lie is a guess.",
         left_out);

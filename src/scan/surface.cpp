@@ -135,11 +135,35 @@ void take_points(const Scan& scan, const Twist2& twist, const SurfaceWorkspace& 
   out.beam.resize(n);
 }
 
+// Beams from one hit to the next, as a rule. More than one where a converter spread a sensor's hits over more beams
+// than it has: what it has between them is no missing return.
+int usual_step(const SurfacePoints& points, std::size_t beams, SurfaceWorkspace& work) {
+  const std::size_t n = points.size();
+  if (n < 3 || 2 * n >= beams) return 1;
+  work.scratch.resize(n - 1);
+  for (std::size_t i = 0; i + 1 < n; ++i) work.scratch[i] = static_cast<float>(points.beam[i + 1] - points.beam[i]);
+  const auto middle = work.scratch.begin() + static_cast<std::ptrdiff_t>(work.scratch.size() / 2);
+  std::nth_element(work.scratch.begin(), middle, work.scratch.end());
+  return static_cast<int>(*middle);
+}
+
+// How far a range is off the line between its neighbours', as a second difference of ranges that lie evenly.
+float second_difference(const SurfacePoints& points, std::size_t i) {
+  const auto back = static_cast<float>(points.beam[i] - points.beam[i - 1]),
+             on = static_cast<float>(points.beam[i + 1] - points.beam[i]);
+  const float before = on / (back + on), after = back / (back + on);
+  const float off = before * points.range[i - 1] - points.range[i] + after * points.range[i + 1];
+  return std::fabs(off) * std::sqrt(6.0F / (1.0F + before * before + after * after));
+}
+
 // Range noise from second differences along runs of adjacent beams, near and far halves apart.
-RangeNoise estimate_noise(const SurfacePoints& points, SurfaceWorkspace& work) {
+RangeNoise estimate_noise(const SurfacePoints& points, int usual, SurfaceWorkspace& work) {
   RangeNoise noise{0.01F, 0.01F};
   const std::size_t n = points.size();
-  const auto in_run = [&](std::size_t i) { return points.beam[i + 1] - points.beam[i - 1] == 2; };
+  const auto in_run = [&](std::size_t i) {
+    const int step = points.beam[i + 1] - points.beam[i - 1];
+    return usual == 1 ? step == 2 : step <= 3 * usual;
+  };
   work.near.resize(n);
   std::size_t count = 0;
   for (std::size_t i = 1; i + 1 < n; ++i) {
@@ -160,7 +184,8 @@ RangeNoise estimate_noise(const SurfacePoints& points, SurfaceWorkspace& work) {
   work.far.resize(n);
   std::size_t near = 0, far = 0;
   for (std::size_t i = 1; i + 1 < n; ++i) {
-    const float difference = std::fabs(points.range[i - 1] - 2.0F * points.range[i] + points.range[i + 1]);
+    const float difference = usual == 1 ? std::fabs(points.range[i - 1] - 2.0F * points.range[i] + points.range[i + 1])
+                                        : second_difference(points, i);
     work.near[near] = work.far[far] = difference;
     const bool counts = in_run(i), is_far = points.range[i] > split;
     near += counts && !is_far;
@@ -177,7 +202,7 @@ RangeNoise estimate_noise(const SurfacePoints& points, SurfaceWorkspace& work) {
 }
 
 // Which hits lie on one surface: a run ends where beams are missing or the surface jumps.
-void find_segments(const SurfacePoints& points, double spacing, SurfaceWorkspace& work) {
+void find_segments(const SurfacePoints& points, double spacing, int usual, SurfaceWorkspace& work) {
   const int n = static_cast<int>(points.size());
   work.segment_begin.resize(points.size());
   work.segment_end.resize(points.size());
@@ -191,7 +216,7 @@ void find_segments(const SurfacePoints& points, double spacing, SurfaceWorkspace
       const float near = std::min(points.range[i], points.range[i + 1]);
       const float step = static_cast<float>(spacing) * near * static_cast<float>(gap);
       const float limit = 3.0F * step + 4.0F * points.sigma[i];
-      breaks = gap > 4 || dx * dx + dy * dy > limit * limit;
+      breaks = gap > 4 * usual || dx * dx + dy * dy > limit * limit;
     }
     if (breaks) {
       for (int k = begin; k <= i; ++k) work.segment_end[k] = i + 1;
@@ -215,9 +240,11 @@ void find_surface(const Scan& scan, const Twist2& twist, SurfaceWorkspace& work,
   if (n > 0) {
     out.extent = static_cast<double>(Ranks(out.range).nth_smallest((95 * (n - 1)) / 100, work.scratch));
   }
-  out.noise = estimate_noise(out, work);
+  const int usual = usual_step(out, beams, work);
+  out.noise = estimate_noise(out, usual, work);
   for (std::size_t i = 0; i < n; ++i) out.sigma[i] = out.noise.sigma(out.range[i]);
-  find_segments(out, out.spacing, work);
+  find_segments(out, out.spacing, usual, work);
+  out.spacing *= usual;
   const double noisy = std::clamp((static_cast<double>(out.noise.floor_m) - kReliefM) / kReliefM, 0.0, 1.0);
   find_lines(lines.straightness + noisy * (lines.noisy_straightness - lines.straightness), lines.least_spread, work,
              out);

@@ -108,6 +108,7 @@ SlamResult make_result(const Backend& backend, const ScanLedger& ledger, std::ve
     scan.stamp = record.stamp;
     scan.status = record.status;
     scan.repeated = record.repeated;
+    scan.left_out = record.left_out;
     scan.on_map = on_map[i] != 0;
     scan.keyframe = record.keyframe;
     scan.T_map_base = poses[i];

@@ -75,6 +75,14 @@ void check_odometry(const InputCheckState& state, const Pose2& odometry, Stamp s
 
 }  // namespace
 
+void note_oddity(InputCheckState& state, const OddityNote& note, ScanId scan) {
+  InputOddity& oddity = state.oddities[note.kind];
+  if (oddity.count++ > 0) return;
+  oddity.damage = note.damage;
+  oddity.first = scan;
+  oddity.what = note.what;
+}
+
 InputVerdict check_input(InputCheckState& state, const RangeMeasurement& measurement, ScanId id) {
   const Scan& scan = measurement.scan;
   InputVerdict verdict;
@@ -95,14 +103,7 @@ InputVerdict check_input(InputCheckState& state, const RangeMeasurement& measure
     state.odometry = measurement.T_odom_base;
     state.odometry_stamp = scan.stamp;
   }
-  for (const OddityNote& note : verdict.notes) {
-    InputOddity& oddity = state.oddities[note.kind];
-    if (oddity.count++ == 0) {
-      oddity.damage = note.damage;
-      oddity.first = id;
-      oddity.what = note.what;
-    }
-  }
+  for (const OddityNote& note : verdict.notes) note_oddity(state, note, id);
   return verdict;
 }
 

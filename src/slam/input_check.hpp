@@ -56,6 +56,9 @@ struct InputVerdict {
   std::vector<OddityNote> notes;  ///< in the order of the checks
 };
 
+/// Counts an oddity. @param scan  number of the scan
+void note_oddity(InputCheckState& state, const OddityNote& note, ScanId scan);
+
 /// Judges the next measurement and remembers it. @param scan  its number
 InputVerdict check_input(InputCheckState& state, const RangeMeasurement& measurement, ScanId scan);
 

@@ -20,6 +20,7 @@ struct ScanRecord {
   float x = 0, y = 0, theta = 0;  ///< T_keyframe_stamp: the base at the scan's first beam
   TrackingStatus status = TrackingStatus::kInitialising;
   bool repeated = false;
+  bool left_out = false;  ///< it fits neither neighbour
 
   Pose2 T_keyframe_stamp() const {
     return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(theta)};
@@ -35,6 +36,7 @@ struct ScanRecord {
     v("theta", self.theta);
     v("status", self.status);
     v("repeated", self.repeated);
+    v("left_out", self.left_out);
   }
 };
 

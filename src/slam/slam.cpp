@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "odometry/information.hpp"
-#include "odometry/tracker.hpp"
+#include "odometry/checked_tracker.hpp"
 #include "slam/finished_map.hpp"
 #include "slam/map_view.hpp"
 #include "slam/slam_state.hpp"
@@ -15,6 +15,8 @@
 namespace phasescan {
 namespace {
 
+// Scans that are held until it is known whether the robot is in the laser's view: minutes of driving.
+constexpr std::size_t kMostHeld = 3000;
 constexpr double kMostAheadS = 1.0;  // [s] that predict() looks from the last scan
 
 void check(const RangeMeasurement& measurement) {
@@ -45,29 +47,68 @@ Keyframe to_keyframe(const TrackedKeyframe& tracked, ScanId scan) {
   return keyframe;
 }
 
+/// Names the scans that were left out, for the verdict.
+void note_bad_scans(SlamResult& result) {
+  RunFinding finding{"bad_scans", 0, 0, "scans that fit neither the one before nor the one after were left out"};
+  for (const ScanResult& scan : result.scans) {
+    if (!scan.left_out) continue;
+    if (finding.count++ == 0) finding.first_stamp = scan.stamp;
+  }
+  if (finding.count > 0) result.findings.push_back(std::move(finding));
+}
+
+/// The same of the robot's own body.
+void note_body(const SlamState::Data& state, SlamResult& result) {
+  for (const auto& [laser, body] : state.bodies) {
+    if (body.sectors.empty()) continue;
+    const auto oddity = state.input.oddities.find("own body");
+    RunFinding finding{"own_body", body.sectors.size(), 0,
+                       "the robot itself is seen in " + format_sectors(body.sectors) + "; left out"};
+    if (oddity != state.input.oddities.end() && static_cast<std::size_t>(oddity->second.first) < result.scans.size())
+      finding.first_stamp = result.scans[static_cast<std::size_t>(oddity->second.first)].stamp;
+    result.findings.push_back(std::move(finding));
+  }
+}
+
 }  // namespace
 
 struct Slam::Impl {
-  Impl(const SlamOptions& o, Schedule schedule, Executor* executor)
-      : options(validated(o)), tracker(o.odometry, {}, o.match), runner(o, {}, schedule, executor) {}
-  Impl(const SlamState::Data& s, const SlamOptions& o, Schedule schedule, Executor* executor)
+  Impl(const SlamOptions& o, Schedule when, Executor* beside)
       : options(validated(o)),
-        tracker(o.odometry, s.odometry, o.match),
-        runner(o, s.backend, schedule, executor),
+        schedule(when),
+        executor(beside),
+        tracker(o.odometry, {}, {}, o.match),
+        runner(std::make_unique<BackendRunner>(o, BackendState{}, when, beside)),
+        own_body(o.match) {}
+  Impl(const SlamState::Data& s, const SlamOptions& o, Schedule when, Executor* beside)
+      : options(validated(o)),
+        schedule(when),
+        executor(beside),
+        tracker(o.odometry, s.odometry, s.suspects, o.match),
+        runner(std::make_unique<BackendRunner>(o, s.backend, when, beside)),
+        own_body(o.match),
         state(s) {
     // Tracker and runner hold these now: no second copy of keyframes and graph stays as old as the checkpoint.
     state.odometry = {};
+    state.suspects = {};
     state.backend = {};
-    runner.set_pending(std::move(state.pending));
+    runner->set_pending(std::move(state.pending));
   }
 
+  ScanUpdate track(const RangeMeasurement& measurement, bool repeated);
+  ScanUpdate track_scene(const RangeMeasurement& measurement, bool repeated);
+  bool look_for_body(const RangeMeasurement& measurement, bool repeated);
+  ScanUpdate begin_anew();
   ScanUpdate repeat(const RangeMeasurement& measurement);
   void take_keyframes(const TrackerStep& step, const RangeMeasurement& measurement);
   void take_keyframe(const TrackedKeyframe& tracked, const KeptScan& scan);
   void take_first(const TrackedKeyframe& tracked);
+  void settle(const SettledScan& settled);
+  KeptScan keep_settled(const RangeMeasurement& measurement, ScanId scan);
   const KeptScan& keep(const RangeMeasurement& measurement);
   void record(const TrackerStep& step, const RangeMeasurement& measurement, const ScanUpdate& update);
   void hand_over();
+  void hand_over_full_batch();
   void enter(std::shared_ptr<const BackendResult> result);
   ScanUpdate update_of(const TrackerStep& step, Stamp stamp) const;
   void report(ScanId scan, const std::vector<OddityNote>& notes) const;
@@ -78,14 +119,80 @@ struct Slam::Impl {
   ScanId next_scan() const { return static_cast<ScanId>(state.ledger.records.size()); }
 
   SlamOptions options;
-  Tracker tracker;
-  BackendRunner runner;
+  Schedule schedule;
+  Executor* executor;
+  CheckedTracker tracker;
+  std::unique_ptr<BackendRunner> runner;
+  OwnBody own_body;
   SlamState::Data state;  // but for odometry and backend, which tracker and runner hold
   SlamObserver* observer = nullptr;
   double backend_cpu_s = 0.0;
   bool finished = false;
   KeptScan kept{-1, nullptr, nullptr};  // the measurement in work, once it was kept
 };
+
+ScanUpdate Slam::Impl::track(const RangeMeasurement& measurement, bool repeated) {
+  if (repeated) return repeat(measurement);
+  const ScanId scan = next_scan();
+  const CheckedStep checked = tracker.add(measurement);
+  const TrackerStep& step = checked.step;
+  const std::int32_t keyframes_before = state.ledger.keyframes;
+  for (const SettledScan& settled : checked.settled) settle(settled);
+  if (checked.suspect) state.suspect_ids.push_back(scan);
+  take_keyframes(step, measurement);
+  hand_over_full_batch();
+  if (std::shared_ptr<const BackendResult> result = runner->take()) enter(std::move(result));
+  ScanUpdate update = update_of(step, measurement.scan.stamp);
+  if (state.ledger.keyframes > keyframes_before) update.keyframe = state.ledger.keyframes - 1;
+  record(step, measurement, update);
+  state.last = update;
+  return update;
+}
+
+/// @return true where this scan showed that the robot itself is in the view of its laser
+bool Slam::Impl::look_for_body(const RangeMeasurement& measurement, bool repeated) {
+  OwnBodyState& body = state.bodies[measurement.laser];
+  if (body.decided && state.beginning.empty()) return false;
+  const ScanId scan = next_scan();
+  if (state.beginning.size() == static_cast<std::size_t>(scan) && state.beginning.size() < kMostHeld) {
+    state.beginning.push_back({measurement, repeated});
+    state.beginning.back().measurement.scan.intensities.clear();
+  } else {
+    state.beginning = {};
+  }
+  if (repeated || !own_body.add(measurement.scan, body) || body.sectors.empty()) return false;
+  const OddityNote note{"own body", false,
+                        "the robot itself is seen in " + format_sectors(body.sectors) +
+                            " of the laser's frame, whatever the scene; these beams are left out"};
+  note_oddity(state.input, note, scan);
+  report(scan, {note});
+  return true;
+}
+
+/// All measurements once more, without the beams that see the robot: it held the poses.
+ScanUpdate Slam::Impl::begin_anew() {
+  runner->wait();
+  tracker = CheckedTracker(options.odometry, {}, {}, options.match);
+  runner = std::make_unique<BackendRunner>(options, BackendState{}, schedule, executor);
+  SlamState::Data fresh;
+  fresh.input = std::move(state.input);
+  fresh.bodies = std::move(state.bodies);
+  fresh.beginning = std::move(state.beginning);
+  state = std::move(fresh);
+  kept = {-1, nullptr, nullptr};
+  ScanUpdate update;
+  for (const HeldMeasurement& held : state.beginning) update = track_scene(held.measurement, held.repeated);
+  return update;
+}
+
+/// Tracks what is no part of the robot.
+ScanUpdate Slam::Impl::track_scene(const RangeMeasurement& measurement, bool repeated) {
+  const std::vector<BodySector>& sectors = state.bodies[measurement.laser].sectors;
+  if (sectors.empty()) return track(measurement, repeated);
+  RangeMeasurement scene = measurement;
+  scene.scan = without_sectors(measurement.scan, sectors);
+  return track(scene, repeated);
+}
 
 ScanUpdate Slam::Impl::repeat(const RangeMeasurement& measurement) {
   ScanRecord again = state.ledger.records.back();
@@ -137,6 +244,37 @@ void Slam::Impl::take_first(const TrackedKeyframe& tracked) {
   state.first.reset();
 }
 
+/// A scan that waited for the next one: a keyframe after all, or left out.
+void Slam::Impl::settle(const SettledScan& settled) {
+  const ScanId id = state.suspect_ids.front();
+  state.suspect_ids.erase(state.suspect_ids.begin());
+  for (const TrackedKeyframe& tracked : settled.step.keyframes)
+    take_keyframe(tracked, keep_settled(settled.measurement, id));
+  if (settled.step.keyframe) state.keyframe_covariance = settled.step.covariance;
+  for (auto i = static_cast<std::size_t>(id); i < state.ledger.records.size(); ++i) {
+    ScanRecord& record = state.ledger.records[i];
+    if (i > static_cast<std::size_t>(id) && !record.repeated) break;
+    record.keyframe = state.ledger.keyframes - 1;
+    record.set(state.T_odom_keyframe.inverse() * settled.step.T_odom_stamp);
+    record.status = settled.step.status;
+    record.left_out = settled.left_out;
+  }
+  if (settled.left_out) {
+    const OddityNote note{"bad scan", false, "a scan that fits neither the one before nor the one after; left out"};
+    note_oddity(state.input, note, id);
+    report(id, {note});
+  }
+  hand_over_full_batch();
+}
+
+KeptScan Slam::Impl::keep_settled(const RangeMeasurement& measurement, ScanId scan) {
+  if (bounded()) return {scan, nullptr, std::make_shared<const Scan>(measurement.scan)};
+  // Where all scans are kept each has its own number in the store.
+  const std::size_t index =
+      keeps_all() ? static_cast<std::size_t>(scan) : state.store.add(measurement.scan, measurement.T_base_laser);
+  return {scan, state.store.stored(index), nullptr};
+}
+
 /// The scan as keyframes have it.
 const KeptScan& Slam::Impl::keep(const RangeMeasurement& measurement) {
   if (kept.scan == next_scan()) return kept;
@@ -165,8 +303,12 @@ void Slam::Impl::hand_over() {
   const double before = thread_cpu_seconds();
   std::vector<Keyframe> batch;
   batch.swap(state.batch);
-  runner.submit(std::move(batch), state.keyframe_covariance);
+  runner->submit(std::move(batch), state.keyframe_covariance);
   backend_cpu_s += thread_cpu_seconds() - before;
+}
+
+void Slam::Impl::hand_over_full_batch() {
+  if (state.batch.size() >= static_cast<std::size_t>(options.slam.batch_nodes)) hand_over();
 }
 
 void Slam::Impl::enter(std::shared_ptr<const BackendResult> result) {
@@ -185,7 +327,6 @@ ScanUpdate Slam::Impl::update_of(const TrackerStep& step, Stamp stamp) const {
   update.T_odom_base = step.T_odom_stamp;
   update.odom_covariance = step.covariance;
   update.twist = step.twist;
-  if (!step.keyframes.empty()) update.keyframe = state.ledger.keyframes - 1;
   update.diagnostics = step.diagnostics;
   if (!state.entered) return update;
   const BackendSnapshot& map = *state.entered->snapshot;
@@ -218,14 +359,11 @@ ScanUpdate Slam::add(const RangeMeasurement& measurement) {
   const ScanId scan = self.next_scan();
   const InputVerdict verdict = check_input(self.state.input, measurement, scan);
   self.report(scan, verdict.notes);
-  if (verdict.repeated) return self.repeat(measurement);
-  const TrackerStep step = self.tracker.add(measurement);
-  self.take_keyframes(step, measurement);
-  if (self.state.batch.size() >= static_cast<std::size_t>(self.options.slam.batch_nodes)) self.hand_over();
-  if (std::shared_ptr<const BackendResult> result = self.runner.take()) self.enter(std::move(result));
-  const ScanUpdate update = self.update_of(step, measurement.scan.stamp);
-  self.record(step, measurement, update);
-  self.state.last = update;
+  const bool begins_anew = self.look_for_body(measurement, verdict.repeated) && !self.state.beginning.empty();
+  const ScanUpdate update = begins_anew ? self.begin_anew() : self.track_scene(measurement, verdict.repeated);
+  const bool undecided = std::any_of(self.state.bodies.begin(), self.state.bodies.end(),
+                                     [](const auto& body) { return !body.second.decided; });
+  if (!undecided) self.state.beginning = {};
   return update;
 }
 
@@ -249,11 +387,12 @@ void Slam::set_observer(SlamObserver* observer) {
 SlamState Slam::checkpoint() {
   Impl& self = *impl_;
   if (self.finished) throw std::logic_error("Slam::checkpoint: the run is finished");
-  self.runner.wait();
+  self.runner->wait();
   auto data = std::make_shared<SlamState::Data>(self.state);
   data->odometry = self.tracker.state();
-  data->backend = self.runner.idle().state();
-  data->pending = self.runner.pending();
+  data->suspects = self.tracker.suspects();
+  data->backend = self.runner->idle().state();
+  data->pending = self.runner->pending();
 
   return SlamState(std::move(data));
 }
@@ -262,11 +401,12 @@ SlamResult Slam::finish() {
   Impl& self = *impl_;
   if (std::exchange(self.finished, true)) throw std::logic_error("Slam::finish: the run is finished already");
   const double before = thread_cpu_seconds();
-  for (const TrackedKeyframe& tracked : self.tracker.finish()) self.take_first(tracked);
-  self.runner.wait();
-  self.runner.finish(std::exchange(self.state.batch, {}));
-  const Backend& backend = self.runner.idle();
-  self.enter(self.runner.final_result(self.state.keyframe_covariance));
+  for (const TrackedKeyframe& tracked : self.tracker.first_keyframe()) self.take_first(tracked);
+  for (const SettledScan& settled : self.tracker.finish()) self.settle(settled);
+  self.runner->wait();
+  self.runner->finish(std::exchange(self.state.batch, {}));
+  const Backend& backend = self.runner->idle();
+  self.enter(self.runner->final_result(self.state.keyframe_covariance));
   const ScanLedger& ledger = self.state.ledger;
   std::vector<Pose2> poses = poses_of_scans(ledger, backend.submitted_poses(), backend.submitted_poses(true));
   const bool refined = self.keeps_all() && !ledger.records.empty();
@@ -274,6 +414,8 @@ SlamResult Slam::finish() {
   SlamResult result = make_result(backend, ledger, std::move(poses), refined, self.options);
   result.wheels = self.tracker.state().motion.wheels.counts;
   result.oddities = self.state.input.oddities;
+  note_bad_scans(result);
+  note_body(self.state, result);
   self.backend_cpu_s = thread_cpu_seconds() - before;
   return result;
 }
@@ -295,6 +437,11 @@ std::size_t SlamState::scans() const {
 }
 
 std::size_t SlamResult::scans_left_out() const {
+  return static_cast<std::size_t>(
+      std::count_if(scans.begin(), scans.end(), [](const ScanResult& s) { return !s.on_map || s.left_out; }));
+}
+
+std::size_t SlamResult::scans_off_the_map() const {
   return static_cast<std::size_t>(
       std::count_if(scans.begin(), scans.end(), [](const ScanResult& s) { return !s.on_map; }));
 }

@@ -1,9 +1,12 @@
 /// A run of SLAM as a value.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <vector>
 
+#include "odometry/checked_tracker.hpp"
+#include "odometry/own_body.hpp"
 #include "odometry/state.hpp"
 #include "phasescan/slam/slam.hpp"
 #include "slam/backend_runner.hpp"
@@ -27,10 +30,27 @@ struct KeptScan {
   }
 };
 
+struct HeldMeasurement {
+  RangeMeasurement measurement;
+  bool repeated = false;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("measurement", self.measurement);
+    v("repeated", self.repeated);
+  }
+};
+
 /// All that is needed to go on with the same bytes; caches (local maps, indices, matchers) are made anew.
 struct SlamState::Data {
   static constexpr int kVersion = 1;
   OdometryState odometry;
+  SuspectState suspects;
+  std::vector<ScanId> suspect_ids;         ///< of the scans in it
+  std::map<LaserId, OwnBodyState> bodies;  ///< the robot in the view of each laser
+  /// The measurements so far, until that is decided: where a body is found the run begins anew without it. Empty once
+  /// it is decided, or where there came too many.
+  std::vector<HeldMeasurement> beginning;
   BackendState backend;  ///< after the batch that was in work
   InputCheckState input;
   ScanLedger ledger;
@@ -46,6 +66,10 @@ struct SlamState::Data {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("odometry", self.odometry);
+    v("suspects", self.suspects);
+    v("suspect_ids", self.suspect_ids);
+    v("bodies", self.bodies);
+    v("beginning", self.beginning);
     v("backend", self.backend);
     v("input", self.input);
     v("ledger", self.ledger);

@@ -20,8 +20,8 @@ constexpr double kGateM = 0.2;                             // [m] distance at wh
 
 /// Motion of the base during a scan's turn: from the way to the next scan, or from the one before where beams are
 /// listed last to first; zero where the times between them tell nothing. Messages that repeat another are no scans of
-/// their own.
-/// @param before  the last scan that was no repetition
+/// their own, and neither are scans that were left out.
+/// @param before  the last scan that was neither
 Twist2 turn_twist(std::span<const ScanRecord> records, std::span<const Pose2> guess, std::size_t scan,
                   std::size_t before, double time_increment, const ScanTiming& timing) {
   std::size_t from = scan, to = scan;
@@ -29,7 +29,7 @@ Twist2 turn_twist(std::span<const ScanRecord> records, std::span<const Pose2> gu
     from = before;
   } else {
     do ++to;
-    while (to < records.size() && records[to].repeated);
+    while (to < records.size() && (records[to].repeated || records[to].left_out));
   }
   if (timing.duration_s <= 0.0 || timing.period_s <= 0.0 || to >= records.size()) return {};
   const double step_s = stamp_to_seconds(records[to].stamp - records[from].stamp);
@@ -49,6 +49,14 @@ Pose2 refine_pose(const LocalMap& map, const MapPoints& points, const Pose2& T_m
   if (found.overlap < min_overlap || std::hypot(moved.x, moved.y) > kMostMoveM || std::abs(moved.theta) > kMostMoveRad)
     return T_map_base;
   return map.T_world_map() * found.T_map_base;
+}
+
+/// Scans that were left out move as the one before them did.
+void place_between_neighbours(std::span<const ScanRecord> records, std::span<const Pose2> guess,
+                              std::vector<Pose2>& out) {
+  for (std::size_t i = 1; i < records.size(); ++i) {
+    if (records[i].left_out) out[i] = out[i - 1] * (guess[i - 1].inverse() * guess[i]);
+  }
 }
 
 }  // namespace
@@ -71,6 +79,7 @@ std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& sc
       out[i] = out[i - 1];
       continue;
     }
+    if (records[i].left_out) continue;
     if (records[i].keyframe != built_for) {
       built_for = records[i].keyframe;
       backend.build_surroundings(built_for, kMaxKeyframes, map);
@@ -83,6 +92,7 @@ std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& sc
     to_map_points(surface, T_base_laser, options.map_range_m, points);
     out[i] = refine_pose(map, points, guess[i], options.min_overlap);
   }
+  place_between_neighbours(records, guess, out);
   return out;
 }
 

@@ -53,7 +53,7 @@ Outcome run(const Log& log) {
   Outcome out;
   for (const Scan& scan : log.scans) out.begun_anew += slam.add({scan}).diagnostics.new_segment;
   const SlamResult result = slam.finish();
-  out.left_out = result.scans_left_out();
+  out.left_out = result.scans_off_the_map();
   out.pieces = result.pieces;
   AssociatedPoses all, drawn;
   for (std::size_t i = 0; i < result.scans.size(); ++i) {

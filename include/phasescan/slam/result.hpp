@@ -105,12 +105,21 @@ struct ScanResult {
   Stamp stamp = 0;
   TrackingStatus status = TrackingStatus::kInitialising;
   bool repeated = false;
+  bool left_out = false;       ///< it fits neither the scans before nor those after it: its pose comes from theirs
   bool on_map = true;          ///< false: it stands in a piece that nothing ties to the map drawn
   std::int32_t keyframe = -1;  ///< the keyframe before it, -1: none yet
   Pose2 T_map_base;            ///< at its stamp
   Pose2 T_odom_base;           ///< as tracking alone saw it
   /// Of T_map_base as it was known when the scan came; of (x, y, theta). Empty in bounded-memory mode.
   std::optional<Eigen::Matrix3d> covariance;
+};
+
+/// Something that speaks against the finished map, or that was done to save it.
+struct RunFinding {
+  std::string kind;  ///< "bad_scans", "own_body"
+  std::size_t count = 0;
+  Stamp first_stamp = 0;
+  std::string what;  ///< for people
 };
 
 /// The finished run: all that outputs need.
@@ -125,8 +134,10 @@ struct SlamResult {
   LoopCounts loops;
   WheelCounts wheels;
   std::map<std::string, InputOddity> oddities;
+  std::vector<RunFinding> findings;
 
-  std::size_t scans_left_out() const;
+  std::size_t scans_left_out() const;              ///< left out as bad, or not on the map
+  std::size_t scans_off_the_map() const;           ///< in pieces that nothing ties to the map drawn
   std::vector<Pose2> trajectory() const;           ///< T_map_base of each scan
   std::vector<Pose2> odometry_trajectory() const;  ///< T_odom_base of each scan
 };
