@@ -1,6 +1,4 @@
 // phasescan slam LOG --out DIR: a trajectory and a map from a log.
-#include <unistd.h>
-
 #include <chrono>
 #include <cstdio>
 #include <map>
@@ -12,8 +10,10 @@
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
+#include "people.hpp"
 #include "phasescan/io/log.hpp"
 #include "io/odometry_source.hpp"
+#include "slam_ending.hpp"
 #include "slam_mcap.hpp"
 #include "slam_output.hpp"
 
@@ -30,24 +30,6 @@ struct SlamFlags {
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
-
-/// Scans done and scans/s, on a terminal.
-class ScanProgress {
- public:
-  ~ScanProgress() {
-    if (shown_ && written_) std::fputs("\r\033[K", stderr);
-  }
-  void step(std::size_t scans) {
-    if (!shown_ || scans % 100 != 0) return;
-    std::fprintf(stderr, "\rslam %zu scans, %.0f scans/s\033[K", scans,
-                 static_cast<double>(scans) / std::max(1e-3, wall_seconds() - start_));
-    written_ = true;
-  }
-
- private:
-  bool shown_ = ::isatty(STDERR_FILENO) == 1, written_ = false;
-  double start_ = wall_seconds();
-};
 
 /// Keeps where each kind of oddity was first seen.
 class FirstSeen final : public SlamObserver {
@@ -79,8 +61,9 @@ void count(const ScanUpdate& update, bool usable, SlamRun& run) {
 }
 
 /// Reads to the end of the log or until the user stops it.
-void feed(JudgedLog& log, Slam& slam, SlamRecording* recording, const SlamFlags& flags, SlamRun& run) {
-  ScanProgress progress;
+void feed(JudgedLog& log, const LogReader& reader, Slam& slam, SlamRecording* recording, const SlamFlags& flags,
+          SlamRun& run) {
+  Progress progress("slam", reader);
   FirstSeen first_seen(flags.log, run.first_seen);
   slam.set_observer(&first_seen);
   while (!InterruptGuard::interrupted()) {
@@ -169,7 +152,7 @@ int run_slam(const SlamFlags& flags) {
   Slam slam(config.slam, Schedule::kDeterministic, executor ? &*executor : nullptr);
   const InterruptGuard guard;  // until the results are in place: what was finished is not lost
   JudgedLog log(*reader);
-  feed(log, slam, recording ? &*recording : nullptr, flags, run);
+  feed(log, *reader, slam, recording ? &*recording : nullptr, flags, run);
   note_odometry(log.source(), flags, run);
   if (slam.scans() == 0) {
     if (InterruptGuard::interrupted()) return stopped_with_nothing();
@@ -184,7 +167,9 @@ int run_slam(const SlamFlags& flags) {
   FileSet files = slam_output(flags.out, result, run);
   if (recording) recording->finish(result);
   files.commit();
-  return report_run(*reader, result, flags, run);
+  const int code = report_run(*reader, result, flags, run);
+  print_ending(slam_ending(result, run, flags.out));
+  return code;
 }
 
 }  // namespace
@@ -195,13 +180,14 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
   command->add_option("LOG", flags->log, "log of any readable format")->required();
   command->add_option("--out", flags->out, "folder for trajectory, map, graph, report")->required()->type_name("DIR");
   command->add_option("--odometry", flags->odometry, "auto: wheel odometry where the log has any; none: scans alone")
-      ->check(CLI::IsMember({"auto", "none"}))
+      ->check(one_of({"auto", "none"}))
       ->capture_default_str();
   command->add_option("--beam-step", flags->beam_step, "keep every K-th beam")
       ->check(CLI::Range(1, 10000))
       ->type_name("K");
   command->add_option("--mcap", flags->mcap, "write scans, frames, path and map for Foxglove or Lichtblick")
       ->check(not_empty());
+  command->footer("Example:\n  phasescan slam drive.jsonl --out map");
   add_log_flags(*command, flags->options);
   add_to_flag(*command, flags->options);
   add_config_flag(*command, flags->common);
