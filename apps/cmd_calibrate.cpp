@@ -34,7 +34,7 @@ int run_calibrate(const CalibrateFlags& flags) {
   if (InterruptGuard::interrupted()) return stopped_with_nothing();
   if (read == 0 && reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
   if (calibrator.of_other_lasers() > 0)
-    warn(std::to_string(calibrator.of_other_lasers()) +
+    warn(flags.log + ": " + std::to_string(calibrator.of_other_lasers()) +
          " scans are of other lasers than the first one and were left out; --topic chooses");
   const auto calibration = calibrator.finish();
   const int code = report_damages(*reader, kDone);

@@ -1,6 +1,7 @@
 // phasescan slam LOG --out DIR: a trajectory and a map from a log.
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
@@ -133,6 +134,23 @@ int report_run(const LogReader& reader, const SlamResult& result, const SlamFlag
   return kAnswerIsNo;
 }
 
+/// A recording in the place of the log, or of one of the results, would destroy it.
+void refuse_mcap_in_the_way(const SlamFlags& flags) {
+  namespace fs = std::filesystem;
+  if (flags.mcap.empty()) return;
+  std::error_code ignored;
+  if (fs::equivalent(flags.mcap, flags.log, ignored))
+    throw std::invalid_argument("--mcap: " + quote_text(flags.mcap) + " is the log itself; expected another file");
+  const fs::path mcap(flags.mcap);
+  const fs::path folder = fs::weakly_canonical(mcap.has_parent_path() ? mcap.parent_path() : ".", ignored);
+  if (folder != fs::weakly_canonical(flags.out, ignored)) return;
+  for (const char* name : {"trajectory.tum", "scans.jsonl", "graph.g2o", "map.pgm", "map.yaml", "map.png",
+                           "report.html", "timing.json", "summary.json"}) {
+    if (mcap.filename() == name)
+      throw std::invalid_argument("--mcap: " + quote_text(flags.mcap) + " is a file of --out; expected another name");
+  }
+}
+
 int run_slam(const SlamFlags& flags) {
   const double cpu = process_cpu_seconds(), wall = wall_seconds();
   const Config config = config_from(flags.common);
@@ -144,6 +162,7 @@ int run_slam(const SlamFlags& flags) {
   const std::unique_ptr<LogReader> reader = open_log(flags.log, flags.options);
   run.format = reader->format();
   run.odometry_used = flags.odometry != "none" && config.slam.odometry.use_wheels;
+  refuse_mcap_in_the_way(flags);
   make_folder(flags.out);
   std::optional<SlamRecording> recording;  // opened before the work: a name that cannot be written costs no minutes
   if (!flags.mcap.empty()) recording.emplace(flags.mcap);
@@ -157,7 +176,8 @@ int run_slam(const SlamFlags& flags) {
   if (slam.scans() == 0) {
     if (InterruptGuard::interrupted()) return stopped_with_nothing();
     if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
-    return fail_no_scan(*reader, flags.log);
+    const bool older = std::filesystem::exists(flags.out + "/summary.json");
+    return fail_no_scan(*reader, flags.log, older ? "; " + flags.out + " holds the results of an earlier run" : "");
   }
   if (!run.complete) warn("stopped after " + std::to_string(slam.scans()) + " scans; the results are of these");
   const SlamResult result = slam.finish();

@@ -240,12 +240,12 @@ void report_remarks(const LogReader& reader, const std::string& log) {
   for (const LogRemark& remark : reader.remarks()) warn(log + ": " + remark.text);
 }
 
-int fail_no_scan(const LogReader& reader, const std::string& log) {
+int fail_no_scan(const LogReader& reader, const std::string& log, const std::string& note) {
   std::string reason = "holds no scan; expected at least one";
   for (const LogRemark& remark : reader.remarks()) {
     if (remark.kind == "no scans" || remark.kind == "tilted laser") reason = "holds no scan: " + remark.text;
   }
-  return fail(InputError(log, 0, reason).what(), kAnswerIsNo);
+  return fail(InputError(log, 0, reason + note).what(), kAnswerIsNo);
 }
 
 int fail_unreadable(const LogReader& reader, const std::string& log) {

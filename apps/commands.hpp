@@ -105,8 +105,9 @@ int report_damages(const LogReader& reader, int code);
 /// Prints what the reader assumed or left out, a warning each.
 void report_remarks(const LogReader& reader, const std::string& log);
 
-/// The one line for a whole log without a scan; names its topics where it has others. Gives kAnswerIsNo.
-int fail_no_scan(const LogReader& reader, const std::string& log);
+/// The one line for a whole log without a scan; names its topics where it has others, and ends in `note`. Gives
+/// kAnswerIsNo.
+int fail_no_scan(const LogReader& reader, const std::string& log, const std::string& note = "");
 
 /// The one line for a log that holds damage and not one scan: its first damage, and that there is nothing else. Gives
 /// kBadInput.
