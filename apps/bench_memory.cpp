@@ -147,6 +147,7 @@ void add_memory_command(CLI::App& app, CommandBody& body) {
       ->type_name("FILE");
   add_seed_flag(*command, flags->common);
   add_config_flag(*command, flags->common);
+  command->footer("Example:\n  phasescan bench memory");
   command->callback([flags, &body] { body = [flags] { return run_memory(*flags); }; });
 }
 

@@ -156,6 +156,7 @@ void add_retrieval_command(CLI::App& app, CommandBody& body) {
   add_seed_flag(*command, flags->common);
   add_config_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);
+  command->footer("Example:\n  phasescan bench retrieval --places 1000");
   command->callback([flags, &body] { body = [flags] { return run_retrieval(*flags); }; });
 }
 

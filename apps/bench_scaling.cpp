@@ -52,6 +52,7 @@ void add_scaling_command(CLI::App& app, CommandBody& body) {
       ->capture_default_str();
   add_seed_flag(*command, flags->common);
   add_config_flag(*command, flags->common);
+  command->footer("Example:\n  phasescan bench scaling");
   command->callback([flags, &body] { body = [flags] { return run_scaling(*flags); }; });
 }
 

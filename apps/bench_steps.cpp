@@ -85,6 +85,7 @@ void add_steps_command(CLI::App& app, CommandBody& body) {
   command->add_option("--sensor", flags->sensor, "as for simulate")->capture_default_str();
   add_seed_flag(*command, flags->common);
   add_config_flag(*command, flags->common);
+  command->footer("Example:\n  phasescan bench steps --scans 2000");
   command->callback([flags, &body] { body = [flags] { return run_steps(*flags); }; });
 }
 

@@ -1,11 +1,15 @@
 // phasescan bench: success, honesty, accuracy and time of methods on pairs files and simulated sets.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 
 #include "command_list.hpp"
 #include "commands.hpp"
 #include "eval/bench_report.hpp"
 #include "io/file.hpp"
+#include "people.hpp"
 #include "sim/pairs_spec.hpp"
 
 namespace phasescan::app {
@@ -53,6 +57,26 @@ FileSet result_files(const std::string& folder, const BenchRun& run, const std::
   return files;
 }
 
+/// A line per method over all pairs: right answers, and wrong ones that it called usable.
+std::vector<EndingLine> bench_ending(const BenchRun& run, const std::vector<BenchMethod>& methods,
+                                     const std::string& folder) {
+  std::vector<EndingLine> lines{{"pairs", std::to_string(run.pairs)}};
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    std::size_t known = 0, right = 0, wrong_usable = 0;
+    for (const PairOutcome& outcome : run.outcomes) {
+      if (outcome.method != m) continue;
+      known += outcome.has_truth;
+      right += outcome.has_truth && outcome.right;
+      wrong_usable += outcome.usable && !outcome.right;
+    }
+    const double share = known == 0 ? 0.0 : 100.0 * static_cast<double>(right) / static_cast<double>(known);
+    lines.emplace_back(methods[m].name, fmt::format("{} of {} right ({:.1f} %), {} wrong and called usable", right,
+                                                    known, share, wrong_usable));
+  }
+  lines.emplace_back("open", (std::filesystem::path(folder) / "results.md").string());
+  return lines;
+}
+
 int run_bench_command(const BenchFlags& flags) {
   if (flags.out.empty()) throw std::invalid_argument("bench: no --out; expected the folder for the results");
   if (flags.pairs.empty() && flags.sim.empty())
@@ -94,6 +118,7 @@ int run_bench_command(const BenchFlags& flags) {
   settings.progress = [&](std::size_t done) { progress.step(done); };
   const InterruptGuard guard;
   const BenchRun run = run_bench(chain(std::move(sources)), methods, settings);
+  progress.end();
   if (InterruptGuard::interrupted() && run.pairs == 0) return stopped_with_nothing();
   if (InterruptGuard::interrupted())
     warn("stopped after " + std::to_string(run.pairs) + " pairs; the results are of these");
@@ -104,6 +129,7 @@ int run_bench_command(const BenchFlags& flags) {
   }
   files.commit();
   if (features) features->commit();
+  print_ending(bench_ending(run, methods, flags.out));
   return kDone;
 }
 
@@ -116,7 +142,10 @@ void add_bench_command(CLI::App& app, CommandBody& body) {
   command->add_option("--sim", flags->sim, "simulated sets: YAML files or built-in names such as bench-sim")
       ->type_name("SPEC...");
   command->add_option("--out", flags->out, "folder for results.json, results.md and the figures")->type_name("DIR");
-  command->add_option("--method", flags->common.method, "comma-separated; without: all six")->type_name("A,B");
+  command->add_option("--method", flags->common.method, "comma-separated; without: all six")
+      ->type_name("A,B")
+      ->check(offers(enum_names<MatchMethod>()));
+  command->footer("Example:\n  phasescan bench --pairs pairs.jsonl.gz --method icp,global --out results");
   command->add_option("--features", flags->features, "also write what each confidence was computed from, as CSV")
       ->type_name("FILE");
   command->add_flag("--fast", flags->common.fast, "trade a little robustness for time (global)");

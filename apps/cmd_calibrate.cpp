@@ -6,6 +6,7 @@
 #include "calibrate/calibrate.hpp"
 #include "command_list.hpp"
 #include "io/file.hpp"
+#include "people.hpp"
 #include "phasescan/io/error.hpp"
 
 namespace phasescan::app {
@@ -20,7 +21,7 @@ struct CalibrateFlags {
 int run_calibrate(const CalibrateFlags& flags) {
   const auto reader = open_log(flags.log, flags.options);
   Calibrator calibrator;
-  Progress progress("read", 0);
+  Progress progress("read", *reader);
   const InterruptGuard guard;
   std::size_t read = 0;
   while (!InterruptGuard::interrupted()) {
@@ -29,10 +30,11 @@ int run_calibrate(const CalibrateFlags& flags) {
     calibrator.add(*entry);
     progress.step(++read);
   }
+  progress.end();
   if (InterruptGuard::interrupted()) return stopped_with_nothing();
   if (read == 0 && reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
   if (calibrator.of_other_lasers() > 0)
-    warn(std::to_string(calibrator.of_other_lasers()) +
+    warn(flags.log + ": " + std::to_string(calibrator.of_other_lasers()) +
          " scans are of other lasers than the first one and were left out; --topic chooses");
   const auto calibration = calibrator.finish();
   const int code = report_damages(*reader, kDone);
@@ -46,6 +48,7 @@ int run_calibrate(const CalibrateFlags& flags) {
   }
   write_file(flags.out, format_sensor_file(*calibration, std::filesystem::path(flags.log).filename().string()));
   print(format_calibration(*calibration));
+  print_ending({{"scans", std::to_string(read)}, {"wrote", flags.out + " (for --sensor)"}});
   return code;
 }
 
@@ -57,6 +60,7 @@ void add_calibrate_command(CLI::App& app, CommandBody& body) {
   command->add_option("LOG", flags->log, "a log of any readable format in which the robot stops now and then")
       ->required();
   command->add_option("--out", flags->out, "the sensor file (YAML), for --sensor FILE")->required();
+  command->footer("Example:\n  phasescan calibrate drive.jsonl --out sensor.yaml");
   add_log_flags(*command, flags->options);
   command->callback([flags, &body] { body = [flags] { return run_calibrate(*flags); }; });
 }

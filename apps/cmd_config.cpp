@@ -19,6 +19,7 @@ void add_config_command(CLI::App& app, CommandBody& body) {
   command->add_flag("--dump", flags->dump, "print the options as YAML")->required();
   command->add_option("SECTION", flags->section, "only this section");
   add_config_flag(*command, flags->common);
+  command->footer("Example:\n  phasescan config --dump slam");
   command->callback([flags, &body] {
     body = [flags] {
       Config config = config_from(flags->common);

@@ -3,6 +3,8 @@
 
 #include "command_list.hpp"
 #include "commands.hpp"
+#include "people.hpp"
+#include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/odometry_source.hpp"
 #include "output/convert_targets.hpp"
@@ -22,12 +24,15 @@ int run_convert(const ConvertFlags& flags) {
   JudgedLog log(*reader);
   bool left_out = false;
   InterruptGuard guard;
-  Progress progress("converted", 0);
+  Progress progress("convert", *reader);
   std::size_t scans = 0;
+  Stamp first = 0, last = 0;
   while (const auto entry = log.next()) {
     // The copy says no more what the poses of a mapping program are: its odometry is taken off.
     left_out = left_out || (entry->corrected && !entry->odometry);
     writer->add(*entry);
+    last = entry->scan.stamp;
+    if (scans == 0) first = last;
     progress.step(++scans);
     if (InterruptGuard::interrupted()) break;
   }
@@ -37,11 +42,15 @@ int run_convert(const ConvertFlags& flags) {
     return fail_no_scan(*reader, flags.in);
   }
   if (InterruptGuard::interrupted()) warn("stopped after " + std::to_string(scans) + " scans; the file holds these");
+  progress.end();
   report_remarks(*reader, flags.in);
   const int code = report_damages(*reader, kDone);
   writer->finish();
   if (left_out) warn(flags.out + ": poses of a mapping program are not written as odometry");
   for (const std::string& loss : writer->losses()) warn(flags.out + ": " + loss);
+  print_ending({{"scans", std::to_string(scans) + " in " + duration_text(stamp_to_seconds(last - first))},
+                {"from", reader->format()},
+                {"wrote", flags.out + " (" + target + ")"}});
   return code;
 }
 
@@ -55,7 +64,8 @@ void add_convert_command(CLI::App& app, CommandBody& body) {
       ->required()
       ->check(not_empty());
   command->add_option("--format", flags->format, "the format, whatever OUT is called")
-      ->check(CLI::IsMember(convert_target_names()));
+      ->check(one_of(convert_target_names()));
+  command->footer("Example:\n  phasescan convert drive.bag drive.mcap");
   add_log_flags(*command, flags->options);
   add_to_flag(*command, flags->options, convert_target_names(), &flags->format);
   command->callback([flags, &body] { body = [flags] { return run_convert(*flags); }; });

@@ -17,19 +17,22 @@ namespace {
 constexpr const char* kNoPose = "not one pose; expected lines of stamp x y z qx qy qz qw";
 
 struct EvalFlags {
-  std::string trajectory, reference, relations, closure, laser;
+  std::string trajectory, reference, relations, closure, laser, topic;
   double max_gap_s = 0.01, delta = 1.0;
   std::string delta_unit = "f";
   bool no_align = false, json = false;
 };
 
 std::string stats_json(const ErrorStats& s, double scale = 1.0) {
+  // Of nothing there is no mean: a zero would read as perfect.
+  if (s.n == 0) return R"({"n": 0, "rmse": null, "mean": null, "median": null, "std": null, "min": null, "max": null})";
   return fmt::format(
       R"({{"n": {}, "rmse": {:.6f}, "mean": {:.6f}, "median": {:.6f}, "std": {:.6f}, "min": {:.6f}, "max": {:.6f}}})",
       s.n, scale * s.rmse, scale * s.mean, scale * s.median, scale * s.std, scale * s.min, scale * s.max);
 }
 
 std::string stats_line(const char* name, const char* unit, const ErrorStats& s, double scale = 1.0) {
+  if (s.n == 0) return fmt::format("{:<14} none (n = 0)\n", name);
   return fmt::format("{:<14} rmse {:.4f} mean {:.4f} median {:.4f} std {:.4f} max {:.4f} {} (n = {})\n", name,
                      scale * s.rmse, scale * s.mean, scale * s.median, scale * s.std, scale * s.max, unit, s.n);
 }
@@ -53,20 +56,21 @@ int eval_reference(const EvalFlags& flags, const std::vector<StampedPose>& traje
   }
   const StepUnit unit = flags.delta_unit == "m" ? StepUnit::kMetres : StepUnit::kFrames;
   const ErrorStats ate = error_stats(absolute_trajectory_errors(pairs, !flags.no_align));
+  const ErrorStats turned = error_stats(absolute_rotation_errors(pairs, !flags.no_align));
   const RelativeErrors rpe = relative_pose_errors(pairs, flags.delta, unit);
   const ErrorStats translation = error_stats(rpe.translation), rotation = error_stats(rpe.rotation);
   const double deg = rad_to_deg(1.0);
   if (flags.json) {
     print(fmt::format(
-        "{{\"poses\": {}, \"reference_poses\": {}, \"pairs\": {}, \"aligned\": {}, \"ate_m\": {}, \"rpe_delta\": {}, \"rpe_delta_unit\": \"{}\", "
+        "{{\"poses\": {}, \"reference_poses\": {}, \"pairs\": {}, \"aligned\": {}, \"ate_m\": {}, \"translation_m\": {}, \"rotation_deg\": {}, \"rpe_delta\": {}, \"rpe_delta_unit\": \"{}\", "
         "\"rpe_m\": {}, \"rpe_deg\": {}}}\n",
-        trajectory.size(), reference.size(), pairs.estimate.size(), !flags.no_align, stats_json(ate), flags.delta,
-        flags.delta_unit, stats_json(translation), stats_json(rotation, deg)));
+        trajectory.size(), reference.size(), pairs.estimate.size(), !flags.no_align, stats_json(ate), stats_json(ate),
+        stats_json(turned, deg), flags.delta, flags.delta_unit, stats_json(translation), stats_json(rotation, deg)));
   } else {
     print(fmt::format("{} of {} poses paired with {} of the reference\n", pairs.estimate.size(), trajectory.size(),
                       reference.size()) +
-          stats_line("ATE", "m", ate) + stats_line("RPE", "m", translation) +
-          stats_line("RPE rotation", "deg", rotation, deg));
+          stats_line("ATE", "m", ate) + stats_line("ATE rotation", "deg", turned, deg) +
+          stats_line("RPE", "m", translation) + stats_line("RPE rotation", "deg", rotation, deg));
   }
   return kDone;
 }
@@ -92,6 +96,8 @@ int eval_relations(const EvalFlags& flags, const std::vector<StampedPose>& traje
         "\"translation_squared_m2\": {}, \"rotation_squared_deg2\": {}, \"above_0.2_m\": {}}}\n",
         errors.relations, errors.translation.size(), errors.unanswered, stats_json(t), stats_json(r, deg),
         stats_json(t2), stats_json(r2), above));
+  } else if (errors.translation.empty()) {
+    print(fmt::format("{} relations, none answered\n", errors.relations));
   } else {
     print(
         fmt::format("{} relations, {} answered, {} unanswered\n", errors.relations, errors.translation.size(),
@@ -107,25 +113,30 @@ int eval_relations(const EvalFlags& flags, const std::vector<StampedPose>& traje
 }
 
 int eval_closure(const EvalFlags& flags, const std::vector<StampedPose>& trajectory) {
-  const Closure closure = closure_errors(*open_log(flags.closure), trajectory);
+  LogOptions options;
+  options.topic = flags.topic;
+  const auto log = open_log(flags.closure, options);
+  const Closure closure = closure_errors(*log, trajectory);
   std::vector<double> metres, degrees;
   for (const Return& r : closure.returns) {
     metres.push_back(r.translation_m);
     degrees.push_back(rad_to_deg(r.rotation_rad));
   }
   const ErrorStats t = error_stats(metres), r = error_stats(degrees);
-  const double end = metres.empty() ? 0.0 : metres.back();
-  const std::size_t last = metres.empty() ? 0 : closure.returns.back().second;
+  const std::string end = metres.empty() ? "null" : fmt::format("{:.4f}", metres.back());
+  const std::string last = metres.empty() ? "null" : std::to_string(closure.returns.back().second);
   if (flags.json) {
     print(fmt::format(
         "{{\"returns\": {}, \"matched\": {}, \"translation_m\": {}, \"rotation_deg\": {}, \"last_return_scan\": {}, "
-        "\"last_return_m\": {:.4f}}}\n",
+        "\"last_return_m\": {}}}\n",
         closure.looked_at, metres.size(), stats_json(t), stats_json(r), last, end));
   } else {
     print(fmt::format("{} returns, {} matched\n", closure.looked_at, metres.size()) + stats_line("closure", "m", t) +
-          stats_line("rotation", "deg", r) + fmt::format("last return at scan {}: {:.4f} m\n", last, end));
+          stats_line("rotation", "deg", r) +
+          (metres.empty() ? "" : fmt::format("last return at scan {}: {} m\n", last, end)));
   }
-  return metres.empty() ? kAnswerIsNo : kDone;
+  const int code = report_damages(*log, kDone);
+  return metres.empty() ? kAnswerIsNo : code;
 }
 
 }  // namespace
@@ -142,32 +153,43 @@ void add_eval_command(CLI::App& app, CommandBody& body) {
       command->add_option("--relations", flags->relations, "verified relative poses: the relations metric")
           ->type_name("F.relations");
   reference->excludes(relations);
-  command
-      ->add_option("--closure", flags->closure,
-                   "the trajectory's log: scans of one place long apart are matched and compared with the trajectory")
-      ->type_name("LOG")
-      ->excludes(reference)
-      ->excludes(relations);
+  auto* closure =
+      command
+          ->add_option(
+              "--closure", flags->closure,
+              "the trajectory's log: scans of one place long apart are matched and compared with the trajectory")
+          ->type_name("LOG")
+          ->excludes(reference)
+          ->excludes(relations);
   command
       ->add_option(
           "--laser", flags->laser,
           "--relations: where the laser sits on the base, if the trajectory is the base's and the relations are the laser's")
       ->type_name("X,Y,DEG")
       ->needs(relations);
+  command->add_option("--topic", flags->topic, "--closure, ROS logs: only this scan topic")->needs(closure);
   command->add_option("--max-gap", flags->max_gap_s, "stamps farther apart do not belong together [s]")
       ->check(number_from_zero())
       ->capture_default_str();
-  command->add_option("--delta", flags->delta, "step of the RPE")->check(number_above_zero())->capture_default_str();
-  command->add_option("--delta-unit", flags->delta_unit, "f: frames, m: metres")
-      ->check(CLI::IsMember({"f", "m"}))
-      ->capture_default_str();
-  command->add_flag("--no-align", flags->no_align, "--reference: compare as they are");
+  command->add_option("--delta", flags->delta, "--reference: step of the RPE")
+      ->check(number_above_zero())
+      ->capture_default_str()
+      ->needs(reference);
+  command->add_option("--delta-unit", flags->delta_unit, "--reference: f: frames, m: metres")
+      ->check(one_of({"f", "m"}))
+      ->capture_default_str()
+      ->needs(reference);
+  command->add_flag("--no-align", flags->no_align, "--reference: compare as they are")->needs(reference);
   command->add_flag("--json", flags->json, "one JSON object");
+  command->footer("Example:\n  phasescan eval --trajectory map/trajectory.tum --reference drive.jsonl.truth.tum");
   command->callback([flags, &body] {
     body = [flags] {
       if (flags->reference.empty() && flags->relations.empty() && flags->closure.empty())
         throw std::invalid_argument(
             "eval: neither --reference nor --relations nor --closure is given; expected one of them");
+      if (flags->delta_unit == "f" && flags->delta != std::floor(flags->delta))
+        throw std::invalid_argument(
+            fmt::format("--delta: {} frames; expected a whole number, or --delta-unit m", flags->delta));
       const std::vector<StampedPose> trajectory = read_tum(flags->trajectory);
       if (trajectory.empty()) throw InputError(flags->trajectory, 0, kNoPose);
       if (!flags->closure.empty()) return eval_closure(*flags, trajectory);

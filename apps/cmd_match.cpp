@@ -9,6 +9,7 @@
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
 #include "output/match_json.hpp"
+#include "people.hpp"
 #include "io/number.hpp"
 #include "io/pairs.hpp"
 #include "phasescan/io/scan_json.hpp"
@@ -24,6 +25,9 @@ struct MatchFlags {
   std::string pairs;
   std::string guess;
   std::string plot;
+  bool json = false;
+
+  bool as_text() const { return for_people() && !json; }
 };
 
 struct NamedScan {
@@ -66,11 +70,20 @@ int match_two(const MatchFlags& flags, const AnyMatchOptions& options, const Mat
   const NamedScan scan = read_named_scan(flags.scan);
   const MatchResult result = match_any(reference.scan, scan.scan, options, hints);
   if (!flags.plot.empty()) {
+    // Names without their folders: a title is one line.
+    const auto name = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
     const std::string title =
-        flags.scan + " in " + flags.reference + ", " + std::string(to_string(options.match.method));
+        name(flags.scan) + " in " + name(flags.reference) + ", " + std::string(to_string(options.match.method));
     write_file(flags.plot, scan_pair_svg(reference.scan, scan.scan, result, {}, hints.guess.value_or(Pose2{}), title));
   }
-  print(format_match(flags.reference + " " + flags.scan, options.match.method, result, !flags.common.no_times) + "\n");
+  if (flags.as_text()) {
+    print(match_text(result) + "\n");
+    if (result.ambiguous) print("another pose explains the scans as well: a symmetric room, or a bare corridor\n");
+    if (!flags.plot.empty()) print(toned("open  ", Tone::kFaint) + flags.plot + "\n");
+  } else {
+    print(format_match(flags.reference + " " + flags.scan, options.match.method, result, !flags.common.no_times) +
+          "\n");
+  }
   if (!result.usable) return kAnswerIsNo;
   return reference.damaged || scan.damaged ? kDamagedInput : kDone;
 }
@@ -79,7 +92,7 @@ int match_two(const MatchFlags& flags, const AnyMatchOptions& options, const Mat
 // earlier pairs that an answer could depend on, so it does not matter which one gets a pair. A pair that cannot be
 // matched at all becomes a bad line.
 std::vector<std::string> match_lines(std::vector<PairLine>& lines, std::vector<AnyMatcher>& matchers,
-                                     const MatchHints& hints, bool times) {
+                                     const MatchHints& hints, const MatchFlags& flags) {
   std::vector<std::string> answers(lines.size());
   parallel_for(lines.size(), matchers.size(), [&](std::size_t i, std::size_t worker) {
     PairLine& line = lines[i];
@@ -87,14 +100,17 @@ std::vector<std::string> match_lines(std::vector<PairLine>& lines, std::vector<A
       try {
         AnyMatcher& matcher = matchers[worker];
         const MatchResult result = matcher.match(line.pair->reference, line.pair->scan, hints);
-        answers[i] = format_match(line.pair->id, matcher.options().match.method, result, times);
+        answers[i] = flags.as_text()
+                         ? line.pair->id + "  " + match_text(result)
+                         : format_match(line.pair->id, matcher.options().match.method, result, !flags.common.no_times);
         return;
       } catch (const std::exception& error) {
         line.pair.reset();
         line.error = error.what();
       }
     }
-    answers[i] = format_pair_error(line.line, line.error);
+    answers[i] = flags.as_text() ? "line " + std::to_string(line.line) + "  " + line.error
+                                 : format_pair_error(line.line, line.error);
   });
   return answers;
 }
@@ -107,6 +123,7 @@ int match_pairs(const MatchFlags& flags, const AnyMatchOptions& options, const M
   PairReader reader(flags.pairs);
   InterruptGuard guard;
   Progress progress("match", 0);
+  if (for_people()) progress.end();  // the answers themselves show how far it is
   std::size_t done = 0, bad = 0;
   std::string first_bad;
   std::vector<PairLine> lines;
@@ -117,7 +134,7 @@ int match_pairs(const MatchFlags& flags, const AnyMatchOptions& options, const M
       if (!line) break;
       lines.push_back(std::move(*line));
     }
-    for (const std::string& answer : match_lines(lines, matchers, hints, !flags.common.no_times)) print(answer + "\n");
+    for (const std::string& answer : match_lines(lines, matchers, hints, flags)) print(answer + "\n");
     for (const PairLine& line : lines) {
       if (!line.pair && bad++ == 0) first_bad = InputError(flags.pairs, line.line, line.error).what();
     }
@@ -164,6 +181,8 @@ void add_match_command(CLI::App& app, CommandBody& body) {
   command->add_option("--plot", flags->plot, "figure of both scans before and after")
       ->type_name("F.svg")
       ->check(not_empty());
+  command->add_flag("--json", flags->json, "JSON on a terminal too, where a line for people stands else");
+  command->footer("Example:\n  phasescan match log.jsonl#0 log.jsonl#15 --plot match.svg");
   add_method_flags(*command, flags->common);
   add_config_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);

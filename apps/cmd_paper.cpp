@@ -48,6 +48,7 @@ void add_paper_command(CLI::App& app, CommandBody& body) {
       ->capture_default_str();
   add_threads_flag(*command, flags->common, 2);
   add_no_times_flag(*command, flags->common);
+  command->footer("Example:\n  phasescan paper --quick --out paper");
   command->callback([flags, &body] { body = [flags] { return run_paper_command(*flags); }; });
 }
 

@@ -67,7 +67,8 @@ sim::PairsSpec pairs_spec(const SimulateFlags& flags) {
   row.sensor = flags.sensor;
   if (!flags.classes.empty()) {
     row.classes.clear();
-    for (const std::string& name : flags.classes) row.classes.push_back(enum_from_string<sim::PairClass>(name));
+    for (const std::string& name : flags.classes)
+      row.classes.push_back(enum_of_flag<sim::PairClass>("--classes", name));
   }
   return {flags.common.seed, {row}};
 }
@@ -109,7 +110,7 @@ sim::Path plan_path(const SimulateFlags& flags, const sim::World& world) {
     return sim::Path(world, options, seed);
   }
   if (std::filesystem::exists(flags.path)) return sim::Path(sim::read_points(flags.path), options, seed);
-  throw InputError(flags.path, 0, "no such file, and not one of " + joined(kinds));
+  throw InputError(flags.path, 0, "no such file, and not one of " + joined(kinds) + did_you_mean(flags.path, kinds));
 }
 
 int simulate_drive(const SimulateFlags& flags) {
@@ -151,10 +152,15 @@ void add_simulate_command(CLI::App& app, CommandBody& body) {
   const std::string sensors = joined(sim::lidar_names()), benchmarks = joined(sim::pairs_spec_names());
   command->add_option("--out", flags->out, "the log (truth goes to LOG.truth.tum) or the pairs file; .gz packs it")
       ->required();
-  command->add_option("--world", flags->world,
-                      "a kind (" + kinds + "), KIND:SEED for one building, or a YAML file; flat");
-  command->add_option("--sensor", flags->sensor, "a sensor (" + sensors + ") or a YAML file")->capture_default_str();
-  command->add_option("--path", flags->path, "a kind (" + paths + ") or a YAML file of points")->capture_default_str();
+  command
+      ->add_option("--world", flags->world, "a kind (" + kinds + "), KIND:SEED for one building, or a YAML file; flat")
+      ->check(offers(enum_names<sim::WorldKind>()));
+  command->add_option("--sensor", flags->sensor, "a sensor (" + sensors + ") or a YAML file")
+      ->capture_default_str()
+      ->check(offers(sim::lidar_names()));
+  command->add_option("--path", flags->path, "a kind (" + paths + ") or a YAML file of points")
+      ->capture_default_str()
+      ->check(offers(enum_names<sim::PathKind>()));
   command->add_option("--speed", flags->drive.speed_mps, "m/s, at most")
       ->check(number_from_zero())
       ->capture_default_str();
@@ -183,9 +189,11 @@ void add_simulate_command(CLI::App& app, CommandBody& body) {
   command->add_option("--config", flags->common.config,
                       "with --pairs: a benchmark (" + benchmarks + ") or a YAML file; bench-sim");
   command->add_option("--classes", flags->classes, "with --pairs and --world: small, middle, large, global, none")
+      ->check(offers(enum_names<sim::PairClass>()))
       ->delimiter(',');
   add_seed_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);
+  command->footer("Example:\n  phasescan simulate --world flat --sensor rplidar-a1 --odometry --out drive.jsonl");
   command->callback([flags, &body] {
     body = [flags] {
       if (!flags->given("--pairs")) return simulate_drive(*flags);

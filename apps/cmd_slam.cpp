@@ -1,8 +1,7 @@
 // phasescan slam LOG --out DIR: a trajectory and a map from a log.
-#include <unistd.h>
-
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
@@ -12,8 +11,10 @@
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
+#include "people.hpp"
 #include "phasescan/io/log.hpp"
 #include "io/odometry_source.hpp"
+#include "slam_ending.hpp"
 #include "slam_mcap.hpp"
 #include "slam_output.hpp"
 
@@ -30,24 +31,6 @@ struct SlamFlags {
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
-
-/// Scans done and scans/s, on a terminal.
-class ScanProgress {
- public:
-  ~ScanProgress() {
-    if (shown_ && written_) std::fputs("\r\033[K", stderr);
-  }
-  void step(std::size_t scans) {
-    if (!shown_ || scans % 100 != 0) return;
-    std::fprintf(stderr, "\rslam %zu scans, %.0f scans/s\033[K", scans,
-                 static_cast<double>(scans) / std::max(1e-3, wall_seconds() - start_));
-    written_ = true;
-  }
-
- private:
-  bool shown_ = ::isatty(STDERR_FILENO) == 1, written_ = false;
-  double start_ = wall_seconds();
-};
 
 /// Keeps where each kind of oddity was first seen.
 class FirstSeen final : public SlamObserver {
@@ -80,8 +63,9 @@ void count(const ScanUpdate& update, bool usable, SlamRun& run) {
 }
 
 /// Reads to the end of the log or until the user stops it.
-void feed(JudgedLog& log, Slam& slam, SlamRecording* recording, const SlamFlags& flags, SlamRun& run) {
-  ScanProgress progress;
+void feed(JudgedLog& log, const LogReader& reader, Slam& slam, SlamRecording* recording, const SlamFlags& flags,
+          SlamRun& run) {
+  Progress progress("slam", reader);
   FirstSeen first_seen(flags.log, run.first_seen);
   slam.set_observer(&first_seen);
   while (!InterruptGuard::interrupted()) {
@@ -151,6 +135,23 @@ int report_run(const LogReader& reader, const SlamResult& result, const SlamFlag
   return kAnswerIsNo;
 }
 
+/// A recording in the place of the log, or of one of the results, would destroy it.
+void refuse_mcap_in_the_way(const SlamFlags& flags) {
+  namespace fs = std::filesystem;
+  if (flags.mcap.empty()) return;
+  std::error_code ignored;
+  if (fs::equivalent(flags.mcap, flags.log, ignored))
+    throw std::invalid_argument("--mcap: " + quote_text(flags.mcap) + " is the log itself; expected another file");
+  const fs::path mcap(flags.mcap);
+  const fs::path folder = fs::weakly_canonical(mcap.has_parent_path() ? mcap.parent_path() : ".", ignored);
+  if (folder != fs::weakly_canonical(flags.out, ignored)) return;
+  for (const char* name : {"trajectory.tum", "scans.jsonl", "graph.g2o", "map.pgm", "map.yaml", "map.png",
+                           "report.html", "timing.json", "summary.json"}) {
+    if (mcap.filename() == name)
+      throw std::invalid_argument("--mcap: " + quote_text(flags.mcap) + " is a file of --out; expected another name");
+  }
+}
+
 int run_slam(const SlamFlags& flags) {
   const double cpu = process_cpu_seconds(), wall = wall_seconds();
   const Config config = config_from(flags.common);
@@ -162,6 +163,7 @@ int run_slam(const SlamFlags& flags) {
   const std::unique_ptr<LogReader> reader = open_log(flags.log, flags.options);
   run.format = reader->format();
   run.odometry_used = flags.odometry != "none" && config.slam.odometry.use_wheels;
+  refuse_mcap_in_the_way(flags);
   make_folder(flags.out);
   std::optional<SlamRecording> recording;  // opened before the work: a name that cannot be written costs no minutes
   if (!flags.mcap.empty()) recording.emplace(flags.mcap);
@@ -170,12 +172,13 @@ int run_slam(const SlamFlags& flags) {
   Slam slam(config.slam, Schedule::kDeterministic, executor ? &*executor : nullptr);
   const InterruptGuard guard;  // until the results are in place: what was finished is not lost
   JudgedLog log(*reader);
-  feed(log, slam, recording ? &*recording : nullptr, flags, run);
+  feed(log, *reader, slam, recording ? &*recording : nullptr, flags, run);
   note_odometry(log.source(), flags, run);
   if (slam.scans() == 0) {
     if (InterruptGuard::interrupted()) return stopped_with_nothing();
     if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
-    return fail_no_scan(*reader, flags.log);
+    const bool older = std::filesystem::exists(flags.out + "/summary.json");
+    return fail_no_scan(*reader, flags.log, older ? "; " + flags.out + " holds the results of an earlier run" : "");
   }
   if (!run.complete) warn("stopped after " + std::to_string(slam.scans()) + " scans; the results are of these");
   const SlamResult result = slam.finish();
@@ -185,7 +188,9 @@ int run_slam(const SlamFlags& flags) {
   FileSet files = slam_output(flags.out, result, run);
   if (recording) recording->finish(result);
   files.commit();
-  return report_run(*reader, result, flags, run);
+  const int code = report_run(*reader, result, flags, run);
+  print_ending(slam_ending(result, run, flags.out));
+  return code;
 }
 
 }  // namespace
@@ -196,13 +201,14 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
   command->add_option("LOG", flags->log, "log of any readable format")->required();
   command->add_option("--out", flags->out, "folder for trajectory, map, graph, report")->required()->type_name("DIR");
   command->add_option("--odometry", flags->odometry, "auto: wheel odometry where the log has any; none: scans alone")
-      ->check(CLI::IsMember({"auto", "none"}))
+      ->check(one_of({"auto", "none"}))
       ->capture_default_str();
   command->add_option("--beam-step", flags->beam_step, "keep every K-th beam")
       ->check(CLI::Range(1, 10000))
       ->type_name("K");
   command->add_option("--mcap", flags->mcap, "write scans, frames, path and map for Foxglove or Lichtblick")
       ->check(not_empty());
+  command->footer("Example:\n  phasescan slam drive.jsonl --out map");
   add_log_flags(*command, flags->options);
   add_to_flag(*command, flags->options);
   add_config_flag(*command, flags->common);

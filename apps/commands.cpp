@@ -84,7 +84,7 @@ void add_log_flags(CLI::App& command, LogOptions& options) {
   degrees("--angle-increment", options.beams.angle_increment, "text logs: between two beams, a size", 1e-4, 180.0);
   command.add_flag("--clockwise", options.beams.clockwise, "text logs: beams turn clockwise");
   command.add_option("--stamp-unit", options.stamp_unit, "text logs: unit of the stamps")
-      ->check(CLI::IsMember({"s", "ms", "us", "ns"}));
+      ->check(one_of({"s", "ms", "us", "ns"}));
   command
       .add_option_function<std::vector<std::string>>(
           "--mask", [&options](const std::vector<std::string>& texts) { add_masks(texts, options); },
@@ -113,7 +113,8 @@ void add_to_flag(CLI::App& command, LogOptions& options, const std::vector<std::
 void add_method_flags(CLI::App& command, CommonFlags& flags) {
   command.add_option("--method", flags.method, "icp, ndt, fft, fft-icp1, fft-icp2 or global")
       ->type_name("NAME")
-      ->check(not_empty());
+      ->check(not_empty())
+      ->check(offers(enum_names<MatchMethod>()));
   command.add_flag("--fast", flags.fast, "trade a little robustness for time (global)");
 }
 
@@ -170,13 +171,7 @@ CLI::Validator not_empty() {
 
 Config config_from(const CommonFlags& flags) {
   Config config = flags.config.empty() ? Config{} : load_config(flags.config);
-  if (!flags.method.empty()) {
-    try {
-      config.match.match.method = enum_from_string<MatchMethod>(flags.method);
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(std::string("--method: ") + error.what());
-    }
-  }
+  if (!flags.method.empty()) config.match.match.method = enum_of_flag<MatchMethod>("--method", flags.method);
   if (flags.fast) config.match.match.general.fast = true;
   return config;
 }
@@ -216,29 +211,6 @@ int InterruptGuard::exit_code(int code) {
   return interrupted() ? kStopped + stop_signal : code;
 }
 
-Progress::Progress(std::string what, std::size_t total)
-    : what_(std::move(what)), total_(total), shown_(::isatty(STDERR_FILENO) == 1) {}
-
-Progress::~Progress() {
-  if (shown_ && last_percent_ >= 0) std::fputs("\r\033[K", stderr);
-}
-
-void Progress::step(std::size_t done) {
-  if (!shown_) return;
-  const int percent =
-      total_ > 0 ? static_cast<int>(100 * std::min(done, total_) / total_) : static_cast<int>(done / 50 % 1'000'000);
-  if (percent == last_percent_) return;
-  last_percent_ = percent;
-  if (total_ == 0) {
-    std::fprintf(stderr, "\r%s %zu\033[K", what_.c_str(), done);
-  } else {
-    const int bars = percent * 30 / 100;
-    std::fprintf(stderr, "\r%s [%-30s] %3d %%\033[K", what_.c_str(),
-                 std::string(static_cast<std::size_t>(bars), '#').c_str(), percent);
-  }
-  std::fflush(stderr);
-}
-
 int fail(std::string reason, int code) {
   for (char& c : reason) {  // one line, whatever the reason holds
     if (c == '\n' || c == '\r') c = ' ';
@@ -268,12 +240,12 @@ void report_remarks(const LogReader& reader, const std::string& log) {
   for (const LogRemark& remark : reader.remarks()) warn(log + ": " + remark.text);
 }
 
-int fail_no_scan(const LogReader& reader, const std::string& log) {
+int fail_no_scan(const LogReader& reader, const std::string& log, const std::string& note) {
   std::string reason = "holds no scan; expected at least one";
   for (const LogRemark& remark : reader.remarks()) {
     if (remark.kind == "no scans" || remark.kind == "tilted laser") reason = "holds no scan: " + remark.text;
   }
-  return fail(InputError(log, 0, reason).what(), kAnswerIsNo);
+  return fail(InputError(log, 0, reason + note).what(), kAnswerIsNo);
 }
 
 int fail_unreadable(const LogReader& reader, const std::string& log) {

@@ -1,4 +1,4 @@
-// What the sub-commands share: common flags, configuration, interruption, progress. command_list.hpp lists them.
+// What the sub-commands share: common flags, configuration, interruption, messages. command_list.hpp lists them.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -9,6 +9,9 @@
 
 #include "config/config.hpp"
 #include "phasescan/io/log.hpp"
+#include "io/nearest_word.hpp"
+#include "progress.hpp"
+#include "words.hpp"
 
 namespace phasescan::app {
 
@@ -59,6 +62,11 @@ CLI::Validator not_empty();
 /// Defaults, then --config, then --method (if it names one) and --fast. @throws InputError, std::invalid_argument
 Config config_from(const CommonFlags& flags);
 
+/// The value of an enum by its name, as a flag says it. @throws std::invalid_argument naming the flag, the choices and
+/// the nearest one.
+template <class E>
+E enum_of_flag(const std::string& flag, const std::string& text);
+
 /// Numbers of a comma-separated flag such as --guess. @throws std::invalid_argument naming the flag and what was
 /// expected.
 std::vector<double> parse_numbers(const std::string& flag, const std::string& text, std::size_t count);
@@ -81,23 +89,6 @@ class InterruptGuard {
   static int exit_code(int code);
 };
 
-/// A progress line on stderr, on a terminal only; gone when the object is.
-class Progress {
- public:
-  /// total 0: unknown, a count is shown.
-  Progress(std::string what, std::size_t total);
-  ~Progress();
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-  void step(std::size_t done);
-
- private:
-  std::string what_;
-  std::size_t total_;
-  bool shown_;
-  int last_percent_ = -1;
-};
-
 /// The one line on stderr of a command that failed, "phasescan: REASON"; gives `code`.
 int fail(std::string reason, int code);
 
@@ -114,8 +105,9 @@ int report_damages(const LogReader& reader, int code);
 /// Prints what the reader assumed or left out, a warning each.
 void report_remarks(const LogReader& reader, const std::string& log);
 
-/// The one line for a whole log without a scan; names its topics where it has others. Gives kAnswerIsNo.
-int fail_no_scan(const LogReader& reader, const std::string& log);
+/// The one line for a whole log without a scan; names its topics where it has others, and ends in `note`. Gives
+/// kAnswerIsNo.
+int fail_no_scan(const LogReader& reader, const std::string& log, const std::string& note = "");
 
 /// The one line for a log that holds damage and not one scan: its first damage, and that there is nothing else. Gives
 /// kBadInput.
@@ -125,5 +117,14 @@ int fail_unreadable(const LogReader& reader, const std::string& log);
 void print(std::string_view text);
 /// Hands over what was printed so far. @throws as print
 void flush();
+
+template <class E>
+E enum_of_flag(const std::string& flag, const std::string& text) {
+  try {
+    return enum_from_string<E>(text);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(flag + ": " + error.what() + did_you_mean(text, enum_names<E>()));
+  }
+}
 
 }  // namespace phasescan::app

@@ -1,6 +1,8 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <unistd.h>
+
 #include <csignal>
 #include <new>
 #include <sstream>
@@ -10,6 +12,7 @@
 #include "commands.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
+#include "people.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -25,12 +28,26 @@ void refuse_flags_as_values(const CLI::App& command) {
   for (const CLI::App* sub : command.get_subcommands()) refuse_flags_as_values(*sub);
 }
 
+/// For the first word that no command took: the flag or sub-command that may have been meant.
+std::string meant(const CLI::App& app) {
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  for (const std::string& word : app.remaining(true)) {
+    const std::vector<std::string> words = word.starts_with("-") ? flags_of(*command) : commands_of(*command);
+    const std::string near = did_you_mean(word.substr(0, word.find('=')), std::span<const std::string>(words));
+    if (!near.empty()) return near;
+  }
+  return "";
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"phasescan: the motion between two lidar scans, with no first guess, and maps from it", "phasescan"};
   app.set_version_flag("--version", PHASESCAN_VERSION);
   app.require_subcommand(1);
   CommandBody body;
   for (const AddCommand add : kCommands) add(app, body);
+  // Commands take over the footer that stands when they are added.
+  app.footer("Example:\n  phasescan simulate --world flat --out drive.jsonl && phasescan slam drive.jsonl --out map");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -43,13 +60,15 @@ int run(int argc, char** argv) {
     }
     const auto used = app.get_subcommands();
     if (used.empty() && argc > 1 && argv[1][0] != '-') {
+      const std::vector<std::string> commands = commands_of(app);
       std::string names;
-      for (const CLI::App* command : app.get_subcommands([](CLI::App*) { return true; }))
-        names += (names.empty() ? "" : ", ") + command->get_name();
-      return fail("unknown command " + quote_text(argv[1]) + "; expected one of " + names, kBadInput);
+      for (const std::string& name : commands) names += (names.empty() ? "" : ", ") + name;
+      return fail("unknown command " + quote_text(argv[1]) + "; expected one of " + names +
+                      did_you_mean(argv[1], std::span<const std::string>(commands)),
+                  kBadInput);
     }
     const std::string help = used.empty() ? "phasescan --help" : "phasescan " + used.front()->get_name() + " --help";
-    return fail(std::string(error.what()) + "; expected what `" + help + "` says", kBadInput);
+    return fail(std::string(error.what()) + "; expected what `" + help + "` says" + meant(app), kBadInput);
   }
   refuse_flags_as_values(app);
   const int code = body();
@@ -64,8 +83,9 @@ int main(int argc, char** argv) {
   using namespace phasescan;
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit (ulimit -f) is a write that fails, like a full disk
   app::handle_stop_signals();
-  const auto logger = spdlog::stderr_color_st("phasescan");
-  logger->set_pattern("%n: %l: %v");
+  const auto logger = spdlog::stderr_color_st(
+      "phasescan", app::has_colors(STDERR_FILENO) ? spdlog::color_mode::always : spdlog::color_mode::never);
+  logger->set_pattern("%n: %^%l%$: %v");
   spdlog::set_default_logger(logger);
   try {
     return app::run(argc, argv);

@@ -30,19 +30,6 @@ double rounded(double value, double per_unit) {
   return std::round(value * per_unit) / per_unit;
 }
 
-double path_length(const std::vector<Pose2>& poses) {
-  // Steps below the noise of standing still are no way.
-  double length = 0.0;
-  Pose2 last = poses.empty() ? Pose2{} : poses.front();
-  for (const Pose2& p : poses) {
-    const double step = translation_distance(last, p);
-    if (step < 0.02) continue;
-    length += step;
-    last = p;
-  }
-  return length;
-}
-
 Json summary_of(const SlamResult& result, const SlamRun& run) {
   const LoopCounts& loops = result.loops;
   const WheelCounts& wheels = result.wheels;
@@ -255,6 +242,7 @@ std::string report_of(const SlamResult& result, const SlamRun& run, const Json& 
   report.log_name = summary["log"];
   report.result = &result;
   report.overlap = run.overlap;
+  report.complete = run.complete;
   if (run.times) report.cpu_ms = run.cpu_ms;
   for (const char* key : {"format", "scans", "scans_tracked", "keyframes", "path_length_m"}) {
     report.facts.emplace_back(key, summary[key].is_string() ? summary[key].get<std::string>() : summary[key].dump());
@@ -270,6 +258,19 @@ std::string report_of(const SlamResult& result, const SlamRun& run, const Json& 
 }
 
 }  // namespace
+
+double path_length(const std::vector<Pose2>& poses) {
+  // Steps below the noise of standing still are no way.
+  double length = 0.0;
+  Pose2 last = poses.empty() ? Pose2{} : poses.front();
+  for (const Pose2& p : poses) {
+    const double step = translation_distance(last, p);
+    if (step < 0.02) continue;
+    length += step;
+    last = p;
+  }
+  return length;
+}
 
 FileSet slam_output(const std::string& folder, const SlamResult& result, const SlamRun& run) {
   make_folder(folder);

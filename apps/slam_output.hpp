@@ -36,4 +36,7 @@ struct SlamRun {
 /// @throws SystemError
 FileSet slam_output(const std::string& folder, const SlamResult& result, const SlamRun& run);
 
+/// Length of a way [m].
+double path_length(const std::vector<Pose2>& poses);
+
 }  // namespace phasescan::app

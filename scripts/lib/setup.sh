@@ -10,7 +10,7 @@ PACKAGES=(build-essential cmake ninja-build pkg-config ccache git
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libyaml-cpp-dev
   zlib1g-dev liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev libpng-dev)
 TEST_PACKAGES=(clang-14 clang-format-14 libclang-rt-14-dev libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
-  python3 python3-numpy python3-pil python3-rosbag librsvg2-bin valgrind)
+  python3 python3-numpy python3-pil python3-rosbag librsvg2-bin valgrind groff-base)
 command -v npm >/dev/null || TEST_PACKAGES+=(nodejs npm)
 # Independent readers of MCAP and ROS 2 messages, for tests/interop alone.
 INTEROP_MODULES=(@mcap/core@2.2.2 @foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 @foxglove/wasm-zstd@1.0.1)

@@ -5,6 +5,7 @@
 
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
+#include "io/nearest_word.hpp"
 #include "io/number.hpp"
 #include "io/yaml.hpp"
 
@@ -138,7 +139,8 @@ void OptionTable::load_text(const std::string& yaml, const std::string& file) {
     const auto names = sections();
     if (std::find(names.begin(), names.end(), section) == names.end()) {
       throw InputError(file, line_of(part.first),
-                       "unknown section " + quote_text(section) + "; expected one of " + joined(names));
+                       "unknown section " + quote_text(section) + "; expected one of " + joined(names) +
+                           did_you_mean(section, std::span<const std::string>(names)));
     }
     if (!seen.emplace(section, line_of(part.first)).second)
       throw InputError(file, line_of(part.first), "section " + quote_text(section) + " stands twice; expected once");
@@ -156,7 +158,8 @@ void OptionTable::load_text(const std::string& yaml, const std::string& file) {
           if (entry.section == section) options.push_back(entry.name);
         }
         throw InputError(file, line_of(item.first),
-                         "unknown option " + quote_text(section + "." + name) + "; expected one of " + joined(options));
+                         "unknown option " + quote_text(section + "." + name) + "; expected one of " + joined(options) +
+                             did_you_mean(name, std::span<const std::string>(options)));
       }
       if (!seen.emplace(section + "." + name, line_of(item.second)).second) {
         throw InputError(file, line_of(item.first), section + "." + name + " stands twice; expected once");
@@ -186,7 +189,8 @@ std::string OptionTable::dump(std::string_view asked_for) const {
   const auto names = sections();
   const std::string section = current_name(asked_for);
   if (!section.empty() && std::find(names.begin(), names.end(), section) == names.end()) {
-    throw std::invalid_argument("unknown section " + quote_text(section) + "; expected one of " + joined(names));
+    throw std::invalid_argument("unknown section " + quote_text(section) + "; expected one of " + joined(names) +
+                                did_you_mean(section, std::span<const std::string>(names)));
   }
   std::string out, current;
   for (const auto& entry : entries_) {

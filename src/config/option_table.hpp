@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "io/nearest_word.hpp"
 #include "phasescan/core/options.hpp"
 
 namespace phasescan {
@@ -83,7 +84,11 @@ inline void set_option(std::string& out, const std::string& text, const OptionIn
 template <class E>
 requires std::is_enum_v<E>
 void set_option(E& out, const std::string& text, const OptionInfo&) {
-  out = enum_from_string<E>(text);
+  try {
+    out = enum_from_string<E>(text);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(error.what() + did_you_mean(text, enum_names<E>()));
+  }
 }
 
 std::string bounds_text(const OptionInfo& info);

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "io/nearest_word.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "phasescan/core/time.hpp"
@@ -108,7 +109,11 @@ std::vector<BenchMethod> bench_methods(const std::string& comma_separated, const
     const std::string name = comma_separated.substr(start, comma - start);
     start = comma + 1;
     BenchMethod method{"", options};
-    method.options.match.method = enum_from_string<MatchMethod>(name);
+    try {
+      method.options.match.method = enum_from_string<MatchMethod>(name);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(error.what() + did_you_mean(name, enum_names<MatchMethod>()));
+    }
     method.name = to_string(method.options.match.method);
     for (const BenchMethod& other : methods) {
       if (other.name == method.name) throw std::invalid_argument("method '" + name + "' is named twice");

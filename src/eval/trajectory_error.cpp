@@ -115,6 +115,15 @@ std::vector<double> absolute_trajectory_errors(const AssociatedPoses& poses, boo
   return errors;
 }
 
+std::vector<double> absolute_rotation_errors(const AssociatedPoses& poses, bool align) {
+  const double turn = align ? align_se2(poses).theta : 0.0;
+  std::vector<double> errors;
+  errors.reserve(poses.estimate.size());
+  for (std::size_t i = 0; i < poses.estimate.size(); ++i)
+    errors.push_back(angle_distance(poses.estimate[i].theta + turn, poses.reference[i].theta));
+  return errors;
+}
+
 RelativeErrors relative_pose_errors(const AssociatedPoses& poses, double delta, StepUnit unit) {
   if (!(delta > 0.0)) throw std::invalid_argument("eval.delta: " + std::to_string(delta) + " is not above 0");
   const std::vector<std::size_t> ends = step_ends(poses, delta, unit);

@@ -37,6 +37,9 @@ Pose2 align_se2(const AssociatedPoses& poses);
 /// Absolute trajectory error after alignment: distances between positions [m], one per pair.
 std::vector<double> absolute_trajectory_errors(const AssociatedPoses& poses, bool align = true);
 
+/// How far headings differ after alignment of the positions [rad], one per pair.
+std::vector<double> absolute_rotation_errors(const AssociatedPoses& poses, bool align = true);
+
 /// What separates the two ends of a step in the relative pose error.
 enum class StepUnit { kFrames, kMetres };
 

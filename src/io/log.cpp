@@ -26,8 +26,7 @@ void expect_no_geometry(const LogInput& input, const LogOptions& options, std::s
                        "; expected no --fov, --angle-min, --angle-increment, --clockwise, --stamp-unit with it");
 }
 
-std::unique_ptr<LogReader> open_any(const std::string& path, const LogOptions& options) {
-  LogInput input(path);
+std::unique_ptr<LogReader> open_any(LogInput& input, const LogOptions& options) {
   if (!input.is_folder() && !options.columns.empty() && options.topic.empty()) return open_csv(input, options);
   if (const auto foreign = foreign_file(input.prefix())) throw InputError(input.name(), 0, *foreign);
   std::string names;
@@ -50,8 +49,12 @@ std::unique_ptr<LogReader> open_any(const std::string& path, const LogOptions& o
 }  // namespace
 
 std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& options) {
-  auto log = open_any(path, options);
-  return cuts_anything(options) ? cut_log(std::move(log), options) : std::move(log);
+  LogInput input(path);
+  const bool is_database = input.prefix().starts_with("SQLite format 3");  // not read front to back
+  auto log = open_any(input, options);
+  if (cuts_anything(options)) log = cut_log(std::move(log), options);
+  if (input.is_file() && !is_database) log->count_bytes(input.bytes_read(), file_size_bytes(input.path()));
+  return log;
 }
 
 }  // namespace phasescan

@@ -14,6 +14,21 @@ class NoSource : public ByteSource {
   std::size_t read(std::uint8_t*, std::size_t) override { return 0; }
 };
 
+class CountedSource : public ByteSource {
+ public:
+  CountedSource(std::unique_ptr<ByteSource> source, std::shared_ptr<std::uint64_t> count)
+      : source_(std::move(source)), count_(std::move(count)) {}
+  std::size_t read(std::uint8_t* out, std::size_t n) override {
+    const std::size_t got = source_->read(out, n);
+    *count_ += got;
+    return got;
+  }
+
+ private:
+  std::unique_ptr<ByteSource> source_;
+  std::shared_ptr<std::uint64_t> count_;
+};
+
 }  // namespace
 
 LogInput::LogInput(const std::string& path)
@@ -23,7 +38,7 @@ LogInput::LogInput(const std::string& path)
   if (folder_) return;
   file_ = is_regular_file(path);
   if (path == "-" && file_) path_ = "/dev/stdin";
-  stream_ = ByteStream(open_file_source(path));
+  stream_ = ByteStream(std::make_unique<CountedSource>(open_file_source(path), bytes_read_));
   const Compression compression = sniff_compression(stream_.peek(4));
   packed_ = compression != Compression::kNone;
   if (packed_) stream_ = ByteStream(decompress(compression, std::make_unique<StreamSource>(std::move(stream_))));

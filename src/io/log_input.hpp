@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -26,6 +28,8 @@ class LogInput {
   /// A regular file: it can be opened again, and read from any place.
   bool is_file() const { return file_; }
   bool is_packed() const { return packed_; }
+  /// Bytes read so far, packed as they lie in the file; goes on counting behind `take`.
+  std::shared_ptr<const std::uint64_t> bytes_read() const { return bytes_read_; }
 
   /// The first bytes, unpacked: kPrefixBytes of them or all. Empty for a folder. Gone with `take`.
   std::string_view prefix() const { return prefix_; }
@@ -35,6 +39,7 @@ class LogInput {
  private:
   std::string path_, name_;
   bool folder_ = false, file_ = false, packed_ = false;
+  std::shared_ptr<std::uint64_t> bytes_read_ = std::make_shared<std::uint64_t>(0);
   ByteStream stream_;
   std::string_view prefix_;
 };

@@ -20,6 +20,8 @@ class LogSummary {
   std::size_t scans() const { return scans_; }
   /// Scans with at least one hit.
   std::size_t usable_scans() const { return usable_; }
+  /// From the first stamp to the last.
+  double duration_s() const { return stamp_to_seconds(last_ - first_); }
   /// Whether there is odometry that is worth the name: some, and not just the log's own corrected poses again.
   bool has_odometry() const { return with_odometry_ > 0 && !odometry_equals_corrected(); }
   /// All entries that have both say the same in both: the log lost its odometry, or never had any.

@@ -32,11 +32,20 @@ class ScanParser {
     entry.scan = json::scan_from(object, place, arrays);
     entry.laser = "scan";
     const auto odometry = object.find("odometry");
-    if (odometry != object.end() && !odometry->is_null())
-      entry.odometry = json::pose_from(*odometry, place, "odometry");
+    odometry_error_.clear();
+    if (odometry != object.end() && !odometry->is_null()) {
+      try {
+        entry.odometry = json::pose_from(*odometry, place, "odometry");
+      } catch (const InputError& error) {  // the scan itself is whole
+        odometry_error_ = error.reason() + "; the scan is used without it";
+      }
+    }
     stamp(entry.scan, object, place);
     return entry;
   }
+
+  /// Why the odometry of the last scan could not be read; empty where it could, or there was none.
+  const std::string& odometry_error() const { return odometry_error_; }
 
   std::vector<LogRemark> remarks() const {
     if (scans_ < 2 || stamped_) return {};
@@ -52,7 +61,7 @@ class ScanParser {
     ++scans_;
   }
 
-  std::string rest_;
+  std::string rest_, odometry_error_;
   Stamp scans_ = 0;
   bool stamped_ = false;
 };
@@ -64,7 +73,9 @@ class ScanLogReader : public TextLogReader {
   std::optional<LogEntry> next() override {
     while (next_line(text_)) {
       try {
-        return parser_.parse(path(), line_number(), text_);
+        LogEntry entry = parser_.parse(path(), line_number(), text_);
+        if (!parser_.odometry_error().empty()) damage_here("bad odometry", parser_.odometry_error());
+        return entry;
       } catch (const InputError& error) {
         damage_here("bad line", error.reason());
       }
@@ -89,7 +100,10 @@ class ScanArrayReader : public LogReader {
     try {
       while (objects_.next(text_, line_)) {
         try {
-          return parser_.parse(path_, line_, text_);
+          LogEntry entry = parser_.parse(path_, line_, text_);
+          if (!parser_.odometry_error().empty())
+            add_damage("bad odometry", InputError(path_, line_, parser_.odometry_error()).what());
+          return entry;
         } catch (const InputError& error) {
           add_damage("bad scan", error.what());
         }

@@ -64,6 +64,14 @@ class MapPicture {
         pane.sure ? "" : " stroke-dasharray=\"4 3\"");
   }
 
+  /// A numbered ring.
+  void mark(double x, double y, std::size_t number) {
+    body_ += fmt::format(
+        "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"9\" fill=\"none\" stroke=\"{2}\" stroke-width=\"2.5\"/>"
+        "<text x=\"{0:.1f}\" y=\"{3:.1f}\" font-size=\"14\" text-anchor=\"middle\" fill=\"{2}\">{4}</text>",
+        px(x), py(y), palette::kVermillion, py(y) - 13.0, number);
+  }
+
   std::string str() const { return body_ + "</svg>"; }
 
  private:
@@ -155,12 +163,28 @@ struct Way {
   std::vector<char> on_map;
 };
 
+/// The verdict on top, its reasons numbered as they are on the map.
+void add_verdict(const SlamReport& report, HtmlReport& html) {
+  html.heading("Verdict");
+  html.paragraph(report.verdict);
+  std::vector<std::string> lines;
+  for (const VerdictReason& reason : report.reasons)
+    lines.push_back(fmt::format("{}. {}: {}", lines.size() + 1, reason.kind, reason.text));
+  if (!lines.empty()) html.bullets(lines);
+}
+
 /// The map with the way on it and what lies off it.
-void add_map(const SlamResult& result, const Way& way, HtmlReport& html) {
+void add_map(const SlamReport& report, const Way& way, HtmlReport& html) {
+  const SlamResult& result = *report.result;
   MapPicture picture(result.map);
   for (const GlassPane& pane : result.glass) picture.pane(pane);
   picture.way(way.poses, way.on_map, false, {std::string(palette::kMuted), 1.2, "5 4"});
   picture.way(way.poses, way.on_map, true, {std::string(palette::kBlue), 1.5});
+  std::size_t number = 0;
+  for (const VerdictReason& reason : report.reasons) {
+    ++number;
+    if (reason.x && reason.y) picture.mark(*reason.x, *reason.y, number);
+  }
   std::string caption = "White: free, black: occupied, grey: unknown. Blue: the way of the robot.";
   if (const std::size_t left_out = result.scans_off_the_map(); left_out > 0) {
     caption += fmt::format(
@@ -222,8 +246,12 @@ std::string format_slam_report(const SlamReport& report) {
   Way way{result.trajectory(), {}};
   for (const ScanResult& scan : result.scans) way.on_map.push_back(static_cast<char>(scan.on_map));
   HtmlReport html("Map of " + report.log_name, "Trajectory and map that phasescan slam made of the log.");
+  if (!report.complete)
+    html.paragraph(
+        fmt::format("Stopped before the end of the log: all of this is of its first {} scans.", result.scans.size()));
+  if (!report.verdict.empty()) add_verdict(report, html);
   html.heading("Map");
-  add_map(result, way, html);
+  add_map(report, way, html);
   Table facts;
   facts.header = {"what", "value"};
   facts.text_columns = 2;

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "io/file.hpp"
+#include "io/nearest_word.hpp"
 #include "sim/yaml_fields.hpp"
 
 namespace phasescan {
@@ -128,7 +129,9 @@ World world_by_name(const std::string& kind_or_file, std::uint64_t seed) {
     std::string choices;
     for (const std::string_view name : enum_names<WorldKind>())
       choices += (choices.empty() ? "" : ", ") + std::string(name);
-    throw InputError(kind_or_file, 0, "no such file, and not one of " + choices);
+    const std::string_view word = std::string_view(kind_or_file).substr(0, colon);
+    throw InputError(kind_or_file, 0,
+                     "no such file, and not one of " + choices + did_you_mean(word, enum_names<WorldKind>()));
   }
   if (colon != std::string::npos) {
     const char* end = kind_or_file.data() + kind_or_file.size();

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "io/file.hpp"
+#include "io/nearest_word.hpp"
 #include "sim/embedded.hpp"
 
 namespace phasescan::sim {
@@ -37,7 +38,12 @@ std::string find_config(const std::string& path_or_name, const std::string& fold
     name = path_or_name;
     return read_file(path_or_name);
   }
-  if (!built_in) throw InputError(path_or_name, 0, "no such file, and not one of " + choices);
+  if (!built_in) {
+    const std::vector<std::string> names = config_names(folder);
+    throw InputError(
+        path_or_name, 0,
+        "no such file, and not one of " + choices + did_you_mean(path_or_name, std::span<const std::string>(names)));
+  }
   name = std::filesystem::path(std::string(built_in->name)).filename().string();
   return std::string(built_in->text);
 }

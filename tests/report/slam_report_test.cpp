@@ -76,5 +76,21 @@ TEST_F(SlamReportTest, LoopsThatWereTakenOutAreDrawnApartAndStepsAreNoLoops) {
   EXPECT_NE(html(), text);
 }
 
+TEST_F(SlamReportTest, AStoppedRunSaysSo) {
+  EXPECT_THAT(html(), Not(HasSubstr("Stopped before the end of the log")));
+  report_.complete = false;
+  EXPECT_THAT(html(), HasSubstr("Stopped before the end of the log: all of this is of its first 9 scans."));
+}
+
+TEST_F(SlamReportTest, AVerdictStandsOnTopWithItsReasonsOnTheMap) {
+  EXPECT_THAT(html(), Not(HasSubstr("Verdict")));
+  report_.verdict = "doubtful: walls stand twice";
+  report_.reasons.push_back({"doubled_walls", 2, 0, "two walls 0.3 m apart", 2.5, 5.0});
+  report_.reasons.push_back({"gaps", 1, 0, "no scan for 12 s", {}, {}});
+  EXPECT_THAT(html(), HasSubstr("doubtful: walls stand twice"));
+  EXPECT_THAT(html(), HasSubstr("2. gaps: no scan for 12 s"));
+  EXPECT_EQ(count_of(html(), "<circle "), 1u);
+}
+
 }  // namespace
 }  // namespace phasescan

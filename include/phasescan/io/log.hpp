@@ -2,7 +2,9 @@
 /// in the formats of other tools.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -90,6 +92,17 @@ class LogReader {
   virtual const std::vector<LogDamage>& damages() const { return damages_; }
   virtual std::size_t damage_count() const { return damage_count_; }
 
+  /// Share of the file that has been read, 0..1; nothing where its length is not known (a pipe, a database, a folder).
+  std::optional<double> share_read() const {
+    if (!bytes_read_ || bytes_ == 0) return std::nullopt;
+    return std::min(1.0, static_cast<double>(*bytes_read_) / static_cast<double>(bytes_));
+  }
+  /// For `open_log`: where the bytes of the file are counted as they are read, and how many there are.
+  void count_bytes(std::shared_ptr<const std::uint64_t> bytes_read, std::uint64_t bytes) {
+    bytes_read_ = std::move(bytes_read);
+    bytes_ = bytes;
+  }
+
  protected:
   void add_damage(std::string kind, std::string text) {
     ++damage_count_;
@@ -99,6 +112,8 @@ class LogReader {
  private:
   std::vector<LogDamage> damages_;
   std::size_t damage_count_ = 0;
+  std::shared_ptr<const std::uint64_t> bytes_read_;
+  std::uint64_t bytes_ = 0;
 };
 
 /// Opens a log: a file, a recording's folder, a pipe, or standard input where `path` is "-". Nothing is read twice;

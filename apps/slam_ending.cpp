@@ -1,0 +1,56 @@
+#include "slam_ending.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "progress.hpp"
+
+namespace phasescan::app {
+namespace {
+
+std::string scans_text(const SlamResult& result, const SlamRun& run) {
+  std::string text = std::to_string(result.scans.size());
+  const std::size_t unmatched = run.usable - std::min(run.usable, run.tracked), off_map = result.scans_left_out();
+  if (unmatched > 0) text += fmt::format(", {} not matched", unmatched);
+  if (off_map > 0) text += fmt::format(", {} not on the map", off_map);
+  if (unmatched + off_map == 0) text += ", all on the map";
+  return text + (run.complete ? "" : " (stopped before the end of the log)");
+}
+
+/// Size of what is known of the map: its image has a margin.
+std::string map_text(const TrinaryMap& map) {
+  int left = map.width, right = -1, low = map.height, high = -1;
+  for (int row = 0; row < map.height; ++row) {
+    for (int col = 0; col < map.width; ++col) {
+      const auto cell =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(col);
+      if (map.cells[cell] == CellState::kUnknown) continue;
+      left = std::min(left, col), right = std::max(right, col);
+      low = std::min(low, row), high = std::max(high, row);
+    }
+  }
+  if (right < left) return "nothing in it";
+  return fmt::format("{} x {}, cells of {} cm", metres_text((right - left + 1) * map.resolution_m),
+                     metres_text((high - low + 1) * map.resolution_m), 100.0 * map.resolution_m);
+}
+
+}  // namespace
+
+std::vector<EndingLine> slam_ending(const SlamResult& result, const SlamRun& run, const std::string& folder) {
+  const std::size_t rejected = result.loops.undone + result.loops.rejected_inconsistent;
+  std::string way = metres_text(path_length(result.trajectory()));
+  if (!result.scans.empty())
+    way += " in " + duration_text(stamp_to_seconds(result.scans.back().stamp - result.scans.front().stamp));
+  return {
+      {"scans", scans_text(result, run)},
+      {"way", way},
+      {"loops", fmt::format("{}{}", result.loops.accepted, rejected > 0 ? fmt::format(", {} rejected", rejected) : "")},
+      {"map", map_text(result.map)},
+      // A verdict with its strongest reason would be one more line here.
+      {"open", (std::filesystem::path(folder) / "report.html").string()},
+  };
+}
+
+}  // namespace phasescan::app

@@ -1,0 +1,15 @@
+// What `phasescan slam` says at its end to somebody at a terminal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "people.hpp"
+#include "slam_output.hpp"
+
+namespace phasescan::app {
+
+/// Scans, way, loops, size of the map, and what to open.
+std::vector<EndingLine> slam_ending(const SlamResult& result, const SlamRun& run, const std::string& folder);
+
+}  // namespace phasescan::app
