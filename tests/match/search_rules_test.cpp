@@ -2,12 +2,14 @@
 // looked at more closely, what happens where nothing convinces.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "match/global_search.hpp"
 #include "match/hypothesis_list.hpp"
 #include "support/rooms.hpp"
+#include "support/toy_world.hpp"
 
 namespace phasescan {
 namespace {
@@ -86,9 +88,16 @@ int largest_sum(const PreparedScan& reference, const PreparedScan& scan) {
 }
 
 TEST(Sweep, TheBestCandidateHasTheLargestSumAndWhatLiesOutsideOfTheTableIsUnknown) {
-  // The reference sees 2 m far, and its table ends 3.3 m from it; the scan sees the whole room.
+  // The reference sees walls 1 m off, and its table ends 4.4 m from it; half of the scan's hits are farther off.
   const GlobalSearch global(bare_sweep());
-  const Scan near = test::cast_room({}, 360, 0.01, 0.0, 1, 2.0), far = test::cast_room({0.3, 0.2, 0.5}, 360, 0.01);
+  std::vector<float> near_ranges, far_ranges;
+  for (int k = 0; k < 360; ++k) {
+    const double wall = 1.0 / std::max({std::abs(std::cos(deg_to_rad(k))), std::abs(std::sin(deg_to_rad(k)))});
+    near_ranges.push_back(k < 180 ? static_cast<float>(wall) : 0.0F);
+    far_ranges.push_back(static_cast<float>(k < 180 ? wall : 5.2 * wall));
+  }
+  const ScanGeometry geometry{0.0, deg_to_rad(1.0), 0.1, 10.0};
+  const Scan near = make_scan(near_ranges, geometry), far = make_scan(far_ranges, geometry);
   const SearchOutcome out = search(bare_sweep(), near, far);
   int best = 0;
   for (const Hypothesis& h : out.hypotheses) best = std::max(best, h.coarse);
@@ -123,6 +132,79 @@ TEST(Sweep, CandidatesFarWorseThanTheBestAreDropped) {
     for (const Hypothesis& h : out.hypotheses) least = std::min(least, h.coarse), most = std::max(most, h.coarse);
     EXPECT_GE(least, share * most);
     EXPECT_LT(out.hypotheses.size(), 40u) << "nothing was dropped";
+  }
+}
+
+TEST(Search, WhatAGuessLedToStandsBesideWhatIsFoundEverywhere) {
+  // Two places of a long hall, 4.2 m apart, seen 3.5 m far: where the scans overlap little, a right guess convinces no
+  // more than others do. The sweep around the reference does not reach so far.
+  std::vector<testing::Wall> hall = testing::corridor_with_niches(30.0, 0.4);
+  testing::ToyLidar lidar;
+  lidar.range_max = 3.5;
+  lidar.noise = 0.01;
+  Random random(3);
+  const Pose2 truth{4.2, 0.1, 0.1}, T_hall_ref{10.0, 0.0, 0.0};
+  const Scan reference = testing::toy_scan(hall, T_hall_ref, lidar, random, {}),
+             scan = testing::toy_scan(hall, T_hall_ref * truth, lidar, random, {});
+  GlobalOptions options;
+  options.finalists = 100;
+  const SearchOutcome out = search(options, reference, scan, Pose2{4.1, 0.0, 0.0});
+  EXPECT_TRUE(std::any_of(out.hypotheses.begin(), out.hypotheses.end(), [&](const Hypothesis& h) {
+    return translation_distance(h.T_ref_scan, truth) < 0.2;
+  }));
+  EXPECT_TRUE(std::any_of(out.hypotheses.begin(), out.hypotheses.end(), [&](const Hypothesis& h) {
+    return h.source != RotationSource::kGuess;
+  })) << "nothing else was looked for";
+}
+
+/// Two scans of a corridor of two bare walls, 2 m apart.
+struct CorridorPair {
+  Scan reference, scan;
+  Pose2 truth;
+};
+CorridorPair corridor_pair(Random& random, double noise) {
+  const std::vector<testing::Wall> walls = {{{-50, -1.0}, {50, -1.0}}, {{-50, 1.0}, {50, 1.0}}};
+  testing::ToyLidar lidar;
+  lidar.range_max = 6.0;
+  lidar.noise = noise;
+  const Pose2 T_world_ref{0.0, random.uniform(-0.3, 0.3), random.uniform(-0.5, 0.5)};
+  CorridorPair pair;
+  pair.truth = {random.uniform(-0.3, 0.3), random.uniform(-0.2, 0.2), random.uniform(-0.5, 0.5)};
+  pair.reference = testing::toy_scan(walls, T_world_ref, lidar, random, {});
+  pair.scan = testing::toy_scan(walls, T_world_ref * pair.truth, lidar, random, {});
+  return pair;
+}
+
+TEST(Search, AlongACorridorTheTwinThatTurnedLessComesFirst) {
+  // Noise alone decides between it and the other way round, by more than between twins of a room.
+  Random random(5);
+  int turned_less = 0;
+  for (int k = 0; k < 60; ++k) {
+    const CorridorPair pair = corridor_pair(random, 0.03);
+    const SearchOutcome out = search({}, pair.reference, pair.scan);
+    turned_less += angle_distance(out.hypotheses.front().T_ref_scan.theta, pair.truth.theta) < 0.2;
+  }
+  std::printf("turned less %d\n", turned_less);
+  EXPECT_GE(turned_less, 59);
+}
+
+TEST(Search, AlongACorridorAllHitsSayHowWellThePoseIsHeld) {
+  // The few that are picked for all else could say so by chance.
+  Random random(6);
+  const GlobalSearch global({});
+  for (int k = 0; k < 10; ++k) {
+    const CorridorPair pair = corridor_pair(random, 0.01);
+    const PreparedScan reference = prepared_for(global, pair.reference), scan = prepared_for(global, pair.scan);
+    const SearchOutcome out = search({}, pair.reference, pair.scan);
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(out.refined.information.topLeftCorner<2, 2>());
+    const Eigen::Vector2d weakest = eigen.eigenvectors().col(0) * reference.scale_m;
+    const auto score = [&](double step) {
+      Pose2 pose = out.hypotheses.front().T_ref_scan;
+      pose.x += step * weakest.x(), pose.y += step * weakest.y();
+      return weigh_evidence(reference, scan, reference.all, scan.all, pose, 0.0015 * reference.scale_m).score({});
+    };
+    const double drop = score(0.0) - std::max({score(-0.05), score(-0.02), score(0.02), score(0.05)});
+    EXPECT_NEAR(out.profile, drop, 1e-6);
   }
 }
 
