@@ -162,9 +162,10 @@ struct CorridorPair {
   Scan reference, scan;
   Pose2 truth;
 };
-CorridorPair corridor_pair(Random& random, double noise) {
+CorridorPair corridor_pair(Random& random, double noise, int beams = 360) {
   const std::vector<testing::Wall> walls = {{{-50, -1.0}, {50, -1.0}}, {{-50, 1.0}, {50, 1.0}}};
   testing::ToyLidar lidar;
+  lidar.beams = beams;
   lidar.range_max = 6.0;
   lidar.noise = noise;
   const Pose2 T_world_ref{0.0, random.uniform(-0.3, 0.3), random.uniform(-0.5, 0.5)};
@@ -178,14 +179,18 @@ CorridorPair corridor_pair(Random& random, double noise) {
 TEST(Search, AlongACorridorTheTwinThatTurnedLessComesFirst) {
   // Noise alone decides between it and the other way round, by more than between twins of a room.
   Random random(5);
+  const auto thinned = [&](Scan scan) {
+    std::vector<float> ranges;
+    for (std::size_t k = 0; k < scan.size(); ++k) ranges.push_back(random.chance(0.4) ? 0.0F : raw_range(scan, k));
+    return make_scan(ranges, scan.geometry);
+  };
   int turned_less = 0;
   for (int k = 0; k < 60; ++k) {
-    const CorridorPair pair = corridor_pair(random, 0.03);
-    const SearchOutcome out = search({}, pair.reference, pair.scan);
-    turned_less += angle_distance(out.hypotheses.front().T_ref_scan.theta, pair.truth.theta) < 0.2;
+    const CorridorPair pair = corridor_pair(random, 0.03, 360);
+    const SearchOutcome out = search({}, thinned(pair.reference), thinned(pair.scan));
+    turned_less += angle_distance(out.hypotheses.front().T_ref_scan.theta, pair.truth.theta) < 0.3;
   }
-  std::printf("turned less %d\n", turned_less);
-  EXPECT_GE(turned_less, 59);
+  EXPECT_GE(turned_less, 57) << "of 60";
 }
 
 TEST(Search, AlongACorridorAllHitsSayHowWellThePoseIsHeld) {
