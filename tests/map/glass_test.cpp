@@ -152,6 +152,79 @@ TEST(Glass, NothingIsClaimedWhereTheRobotDrove) {
   EXPECT_EQ(cut_where_driven({pane}, through, 0.0, 0.4).size(), 2u);
 }
 
+TEST(Glass, WhereTheRobotStoodInAPaneItIsOpen) {
+  GlassPane pane;
+  pane.a = {4.0, 0.0};
+  pane.b = {4.0, 3.0};
+  const std::vector<Pose2> into = {{3.0, 1.0, 0.0}, {3.95, 1.0, 0.0}};
+  EXPECT_EQ(cut_where_driven({pane}, into, 0.5, 0.4).size(), 2u);
+}
+
+/// Scans at one place after the other.
+Seen stand(const sim::Shape& shape, const std::vector<Vector2d>& places) {
+  const sim::RayCaster caster(shape);
+  Random random(12);
+  Seen seen;
+  for (const Vector2d& at : places) {
+    PlacedScan placed;
+    placed.T_map_laser = {at.x(), at.y(), 0.0};
+    placed.scan = sim::simulate_scan({&caster, nullptr}, sim::LidarOptions(), placed.T_map_laser, random);
+    seen.grid.add_scan(placed.scan, placed.T_map_laser);
+    seen.scans.push_back(std::move(placed));
+  }
+  return seen;
+}
+
+TEST(Glass, FromAlmostOnePlaceNoPaneIsSure) {
+  // A thing in front of the wall would look the same from there.
+  std::vector<Vector2d> places;
+  for (int k = 0; k < 14; ++k) places.push_back({3.5, 1.83 + 0.025 * k});
+  const std::vector<GlassPane> panes = panes_of(stand(rooms(Piece::kGlass), places));
+  ASSERT_FALSE(panes.empty());
+  for (const GlassPane& pane : panes) EXPECT_FALSE(pane.sure);
+}
+
+TEST(Glass, APaneThatWasFacedInItsMiddleGoesOnToItsFrame) {
+  std::vector<Vector2d> places;
+  for (int k = 0; k < 17; ++k) places.push_back({2.6, 1.6 + 0.05 * k});
+  double low = 9.0, high = 0.0;
+  for (const GlassPane& pane : panes_of(stand(rooms(Piece::kGlass), places))) {
+    low = std::min({low, pane.a.y(), pane.b.y()});
+    high = std::max({high, pane.a.y(), pane.b.y()});
+  }
+  EXPECT_NEAR(low, 1.0, 0.12);
+  EXPECT_NEAR(high, 3.0, 0.12);
+}
+
+TEST(Glass, WhatAnswersHeadOnAndLetsNothingThroughIsBlack) {
+  // Glass before nothing within reach: beams vanish behind it, as they do in what swallows them.
+  sim::Shape shape = rooms(Piece::kDoorToNothing);
+  shape.add_line({{4, 1}, {4, 3}}, Material::kGlass);
+  const std::vector<GlassPane> panes = panes_of(drive(shape));
+  ASSERT_EQ(panes.size(), 1u);
+  EXPECT_EQ(panes[0].kind, GlassKind::kBlack);
+}
+
+TEST(Glass, APaneSeenTwiceFromPosesThatDriftedIsOneWhereMoreScansShowIt) {
+  const Seen seen = drive(rooms(Piece::kGlass));
+  for (const bool more_at_first : {true, false}) {
+    Seen both;
+    const std::size_t half = seen.scans.size();
+    for (std::size_t k = 0; k < 2 * half; ++k) {
+      // Of one of the two rounds every third scan is left out.
+      const bool first = k < half;
+      if (first != more_at_first && k % 3 == 0) continue;
+      PlacedScan placed = seen.scans[k % half];
+      if (!first) placed.T_map_laser.x += 0.12;
+      both.scans.push_back(placed);
+      both.grid.add_scan(placed.scan, placed.T_map_laser);
+    }
+    const std::vector<GlassPane> panes = panes_of(both);
+    ASSERT_EQ(panes.size(), 1u) << more_at_first;
+    EXPECT_NEAR(0.5 * (panes[0].a.x() + panes[0].b.x()), more_at_first ? 4.0 : 4.12, 0.04);
+  }
+}
+
 TEST(Glass, CellsOfAPane) {
   TrinaryMap map;
   map.width = 10;

@@ -103,6 +103,18 @@ Scan scan_of(double (*range)(double angle), int beams = 360, double range_max = 
   return make_scan(ranges, {0.0, kTwoPi / beams, 0.1, range_max});
 }
 
+TEST(Global, AScanWithFewerHitsThanAskedForIsNotMatched) {
+  const Scan room = test::cast_room({}, 360, 0.01);
+  for (const int hits : {9, 10}) {
+    std::vector<float> ranges;
+    for (int k = 0; k < 360; ++k) ranges.push_back(k < hits ? raw_range(room, static_cast<std::size_t>(k)) : 0.0F);
+    const Scan few = make_scan(ranges, room.geometry);
+    ASSERT_EQ(few.hit_count(), static_cast<std::size_t>(hits));
+    for (const auto& [reference, scan] : {std::pair{room, few}, std::pair{few, room}})
+      EXPECT_EQ(match_scans(reference, scan).status == MatchStatus::kNoPoints, hits < 10);
+  }
+}
+
 TEST(Global, HopelessScansAreNeverUsable) {
   ScanMatcher matcher;
   const Scan room = test::cast_room({}, 360, 0.01);
