@@ -8,7 +8,7 @@
 #include <cstdlib>
 
 #include "commands.hpp"
-#include "phasescan/core/angle.hpp"
+#include "phasescan/core/pose2.hpp"
 
 namespace phasescan::app {
 namespace {

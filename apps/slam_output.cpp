@@ -43,7 +43,6 @@ Json summary_of(const SlamResult& result, const SlamRun& run) {
   if (const std::size_t off = result.scans_off_the_map(); off > 0) warnings["scan not on the map"] = off;
   std::size_t occupied = 0, free = 0;
   for (const CellState s : map.cells) occupied += s == CellState::kOccupied, free += s == CellState::kFree;
-<<<<<<< HEAD
   return {
       {"log", std::filesystem::path(run.log).filename().string()},
       {"format", run.format},
@@ -86,51 +85,8 @@ Json summary_of(const SlamResult& result, const SlamRun& run) {
         {"occupied_cells", occupied},
         {"free_cells", free},
         {"pieces", result.pieces},
-        {"scans_left_out", left_out}}},
+        {"scans_left_out", result.scans_left_out()}}},
       {"warnings", warnings}};
-=======
-  return {{"log", std::filesystem::path(run.log).filename().string()},
-          {"format", run.format},
-          {"complete", run.complete},
-          {"scans", result.scans.size()},
-          {"scans_usable", run.usable},
-          {"scans_tracked", run.tracked},
-          {"wide_searches", run.searched},
-          {"full_searches_used", run.caught},
-          {"keyframes", result.keyframes.size()},
-          {"loops",
-           {{"compared", loops.compared},
-            {"places", loops.places},
-            {"found", loops.found},
-            {"accepted", loops.accepted},
-            {"in_graph", loops.in_graph},
-            {"rejected", loops.undone + loops.rejected_inconsistent},
-            {"rejected_undone", loops.undone},
-            {"rejected_outvoted", loops.rejected_inconsistent}}},
-          {"path_length_m", rounded(path_length(result.trajectory()), 1e3)},
-          {"odometry",
-           {{"used", run.odometry_used},
-            {"assumed", run.odometry_assumed},
-            {"steps", wheels.steps},
-            {"agreed", wheels.agreed},
-            {"reversed", wheels.reversed},
-            {"slipped", wheels.slipped},
-            {"jumped", wheels.jumped}}},
-          {"laser",
-           {{"x", run.T_base_laser.x},
-            {"y", run.T_base_laser.y},
-            {"theta", run.T_base_laser.theta},
-            {"flipped", run.flipped}}},
-          {"map",
-           {{"width", map.width},
-            {"height", map.height},
-            {"resolution_m", map.resolution_m},
-            {"occupied_cells", occupied},
-            {"free_cells", free},
-            {"pieces", result.pieces},
-            {"scans_left_out", result.scans_left_out()}}},
-          {"warnings", warnings}};
->>>>>>> m2
 }
 
 Json percentiles(std::vector<float> values) {

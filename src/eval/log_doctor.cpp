@@ -10,11 +10,8 @@
 
 #include "eval/log_stamps.hpp"
 #include "eval/motion_check.hpp"
-<<<<<<< HEAD
 #include "phasescan/core/pose2.hpp"
-=======
 #include "odometry/own_body.hpp"
->>>>>>> m2
 
 namespace phasescan {
 namespace {
