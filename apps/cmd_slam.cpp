@@ -80,6 +80,7 @@ void feed(JudgedLog& log, const LogReader& reader, Slam& slam, SlamRecording* re
     const double cpu = thread_cpu_seconds(), wall = wall_seconds();
     const ScanUpdate update = slam.add(measurement);
     const double spent = thread_cpu_seconds() - cpu;
+    run.shown.add(slam.scans() - 1, measurement.scan, measurement.T_base_laser);
     count(update, measurement.scan.hit_count() > 0, run);
     run.cpu_ms.push_back(static_cast<float>(1e3 * spent));
     run.tracking_ms.push_back(static_cast<float>(1e3 * (spent - slam.last_backend_cpu_s())));

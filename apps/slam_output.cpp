@@ -199,6 +199,7 @@ std::string report_of(const SlamResult& result, const SlamRun& run, const Json& 
   report.result = &result;
   report.overlap = run.overlap;
   report.complete = run.complete;
+  report.shown = &run.shown;
   if (run.times) report.cpu_ms = run.cpu_ms;
   for (const char* key : {"format", "scans", "scans_tracked", "keyframes", "path_length_m"}) {
     report.facts.emplace_back(key, summary[key].is_string() ? summary[key].get<std::string>() : summary[key].dump());

@@ -7,6 +7,7 @@
 
 #include "io/file.hpp"
 #include "phasescan/slam/slam.hpp"
+#include "report/map_viewer.hpp"
 
 namespace phasescan::app {
 
@@ -23,6 +24,7 @@ struct SlamRun {
   std::vector<float> tracking_ms;  ///< the same without loops and graph
   std::vector<float> wall_ms;
   std::vector<float> overlap;
+  ShownScans shown;
   std::size_t tracked = 0, searched = 0, caught = 0, new_segments = 0, usable = 0;
   double total_cpu_s = 0.0, total_wall_s = 0.0;
   std::map<std::string, std::size_t> damages;     ///< of the reader, by kind

@@ -26,6 +26,8 @@ class HtmlReport {
   void figures(const std::vector<std::string>& svgs, const std::vector<std::string>& captions);
   void table(const Table& table);
   void code(std::string_view text);
+  /// HTML as it stands, not escaped.
+  void raw(std::string_view html) { body_ += html; }
 
   std::string str() const;
 

@@ -251,6 +251,7 @@ std::string format_slam_report(const SlamReport& report) {
         fmt::format("Stopped before the end of the log: all of this is of its first {} scans.", result.scans.size()));
   if (!report.verdict.empty()) add_verdict(report, html);
   html.heading("Map");
+  if (report.shown != nullptr) html.raw(map_viewer(result, *report.shown));
   add_map(report, way, html);
   Table facts;
   facts.header = {"what", "value"};

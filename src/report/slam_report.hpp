@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "phasescan/slam/slam.hpp"
+#include "report/map_viewer.hpp"
 
 namespace phasescan {
 
@@ -29,6 +30,7 @@ struct SlamReport {
   std::span<const float> cpu_ms;                           ///< per scan; empty: no section on time
   std::vector<std::pair<std::string, std::string>> facts;  ///< name and value, as they stand in the summary
   std::vector<std::string> warnings;
+  const ShownScans* shown = nullptr;   ///< scans to look through; none: no viewer
   bool complete = true;                ///< false: stopped before the end of the log
   std::string verdict;                 ///< in words; empty: none was made
   std::vector<VerdictReason> reasons;  ///< strongest first
