@@ -129,6 +129,11 @@ int report_run(const LogReader& reader, const SlamResult& result, const SlamFlag
     warn(flags.log + ": the map is in " + std::to_string(result.pieces) + " pieces that nothing ties; " +
          std::to_string(left_out) + " scans are not on it");
   }
+  if (!result.deskewed && run.deskew_asked) {
+    warn(flags.log +
+         ": turns show that the beams of a scan are of one time, whatever time_increment says; motion is not "
+         "taken out of the scans");
+  }
   report_remarks(reader, flags.log);
   const int code = report_damages(reader, damaged ? kDamagedInput : kDone);
   if (!result.keyframes.empty()) return code;
@@ -160,6 +165,7 @@ int run_slam(const SlamFlags& flags) {
   SlamRun run;
   run.log = flags.log;
   run.times = !flags.common.no_times;
+  run.deskew_asked = config.slam.odometry.deskew;
   run.glass_blocks = config.slam.glass.block;
   const std::unique_ptr<LogReader> reader = open_log(flags.log, flags.options);
   run.format = reader->format();

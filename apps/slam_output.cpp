@@ -37,6 +37,7 @@ Json summary_of(const SlamResult& result, const SlamRun& run) {
   Json warnings = Json::object();
   for (const auto& [kind, count] : run.damages) warnings[kind] = count;
   for (const auto& [kind, oddity] : result.oddities) warnings[kind] = oddity.count;
+  if (!result.deskewed && run.deskew_asked) warnings["time_increment not true"] = 1;
   const std::size_t untracked = run.usable - std::min(run.usable, run.tracked);
   if (untracked > 0) warnings["scan not matched"] = untracked;
   if (run.new_segments > 0) warnings["tracking begun anew"] = run.new_segments;

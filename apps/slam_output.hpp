@@ -20,6 +20,7 @@ struct SlamRun {
   bool complete = true;  ///< false: stopped by the user
   bool times = true;
   bool glass_blocks = true;        ///< sure glass is occupied in map.pgm
+  bool deskew_asked = true;        ///< by the options
   std::vector<float> cpu_ms;       ///< tracker's thread, per scan
   std::vector<float> tracking_ms;  ///< the same without loops and graph
   std::vector<float> wall_ms;

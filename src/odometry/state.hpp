@@ -85,6 +85,23 @@ struct Standstill {
   }
 };
 
+/// Whether taking the motion out of scans brings them closer to the map, tested on turns: the time between beams that a
+/// log states may be none.
+struct DeskewTest {
+  int turns = 0;   ///< tested
+  int better = 0;  ///< of them with the motion taken out
+
+  // Where the times are true nearly all turns say so, else little more than half: the map was made by the same rule.
+  bool decided() const { return turns >= 100; }
+  bool refuted() const { return decided() && better < 85; }
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("turns", self.turns);
+    v("better", self.better);
+  }
+};
+
 struct OdometryState {
   static constexpr int kVersion = 1;
 
@@ -101,6 +118,7 @@ struct OdometryState {
   double usual_score = 0.5;     ///< slow mean of the score of finished matches
   int untracked = 0;            ///< scans in a row without a match
   Standstill standstill;
+  DeskewTest deskew_test;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -116,6 +134,7 @@ struct OdometryState {
     v("usual_score", self.usual_score);
     v("untracked", self.untracked);
     v("standstill", self.standstill);
+    v("deskew_test", self.deskew_test);
   }
 };
 

@@ -20,6 +20,8 @@ constexpr double kDistortionM = 0.01;
 constexpr double kDeskewedGateM = 0.15;  // [m] of the registration after that: the pose is known
 // Share of the usual score: a match after a gap that explains less is chance.
 constexpr double kAfterGapShare = 0.8;
+// [rad] in one scan's turn: three centimetres at the far end of a room.
+constexpr double kTestTurnRad = 0.035;
 constexpr double kLittleExplained = 0.6;  // overlap below which a match counts as degraded
 constexpr double kMemory = 0.95;          // weight of the past in the usual score
 // Standard deviations of the first pose, which is the origin: no more than keeps the covariance definite [m], [rad].
@@ -103,7 +105,8 @@ std::vector<TrackedKeyframe> Tracker::finish() {
 Tracker::Scanned Tracker::begin(const RangeMeasurement& measurement) {
   Scanned scanned{measurement, {}, {}, {}, false, {}};
   ScanTiming timing = state_.clock.add(measurement.scan);
-  if (!options_.deskew) timing.duration_s = 0.0;  // all beams of one time: that of the stamp
+  if (!options_.deskew || state_.deskew_test.refuted())
+    timing.duration_s = 0.0;  // all beams of one time: that of the stamp
   scanned.motion = state_.motion.begin_scan(timing, measurement.T_odom_base, options_);
   scanned.policy = search_policy(state_.motion.variability, options_);
   scanned.frame = frame_of(measurement, scanned.motion.twist, timing.duration_s, scanned.policy);
@@ -178,7 +181,7 @@ Tracker::Solution Tracker::solve(Scanned& scanned) {
 std::optional<LastScanMatch> Tracker::match_last_scan(const Scanned& scanned) {
   const RangeMeasurement& measurement = scanned.measurement;
   // Where the scan's points are expressed, seen from its stamp.
-  const Twist2 used = options_.deskew ? scanned.motion.twist : Twist2{};
+  const Twist2 used = deskews() ? scanned.motion.twist : Twist2{};
   const std::optional<ScanToScan::Found> found =
       scan_to_scan_.find(state_.last_scans, without_moving_objects(measurement, scanned.frame), used);
   if (!found) return std::nullopt;
@@ -201,11 +204,24 @@ void Tracker::solve_deskewed(Scanned& scanned, Solution& solution) {
     again.gate_start_m = kDeskewedGateM;
     found = register_points(map_, *scanned.frame.points, found.T_map_base, again, solution.pose.prior);
   }
+  test_deskewing(scanned, now.omega * duration_s, solution);
   if (state_.first && state_.first->distorted && found.overlap >= options_.min_overlap) {
     deskew_first(twist_found(), scanned.policy);
     solution.first_deskewed = true;
     found = register_points(map_, *scanned.frame.points, found.T_map_base, {}, solution.pose.prior);
   }
+}
+
+/// On turns a scan without its distortion lies closer on the map than with it, unless its beams were of one time.
+void Tracker::test_deskewing(const Scanned& scanned, double turn_rad, const Solution& solution) {
+  DeskewTest& test = state_.deskew_test;
+  const Registration& found = solution.pose.found;
+  if (test.decided() || std::abs(turn_rad) < kTestTurnRad || state_.first || found.overlap < options_.min_overlap)
+    return;
+  const Frame as_it_came = frame_of(scanned.measurement, {}, scanned.motion.timing.duration_s, scanned.policy);
+  const Registration other = register_points(map_, *as_it_came.points, found.T_map_base, {}, solution.pose.prior);
+  ++test.turns;
+  test.better += found.residual_m < other.residual_m;
 }
 
 bool Tracker::is_matched(const Scanned& scanned, const PoseSolution& pose) {

@@ -118,6 +118,8 @@ class Tracker {
   Solution solve(Scanned& scanned);
   std::optional<LastScanMatch> match_last_scan(const Scanned& scanned);
   void solve_deskewed(Scanned& scanned, Solution& solution);
+  void test_deskewing(const Scanned& scanned, double turn_rad, const Solution& solution);
+  bool deskews() const { return options_.deskew && !state_.deskew_test.refuted(); }
   void deskew_first(const Twist2& twist, const SearchPolicy& policy);
   bool is_matched(const Scanned& scanned, const PoseSolution& pose);
   void judge_fit(const Scanned& scanned, double score_share, const Pose2& step_before, const Pose2& moved,

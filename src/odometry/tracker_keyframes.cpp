@@ -48,7 +48,7 @@ void Tracker::remember(const Scanned& scanned, TrackerStep& step) {
   }
   if (step.tracked() || lost) {
     state_.last_scans.remember(without_moving_objects(scanned.measurement, scanned.frame), step.T_odom_stamp,
-                               options_.deskew ? step.twist : Twist2{});
+                               deskews() ? step.twist : Twist2{});
   }
   if (lost || (step.tracked() && enough && wants_keyframe(scanned, step))) insert_keyframe(scanned, step);
 }

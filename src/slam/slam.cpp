@@ -410,10 +410,14 @@ SlamResult Slam::finish() {
   const ScanLedger& ledger = self.state.ledger;
   std::vector<Pose2> poses = poses_of_scans(ledger, backend.submitted_poses(), backend.submitted_poses(true));
   const bool refined = self.keeps_all() && !ledger.records.empty();
-  if (refined) poses = refine_trajectory(backend, self.state.store, poses, ledger.records, self.options.odometry);
-  SlamResult result = make_result(backend, ledger, std::move(poses), refined, self.options);
+  SlamOptions options = self.options;
+  const DeskewTest& deskewing = self.tracker.state().deskew_test;
+  if (deskewing.refuted()) options.odometry.deskew = false;
+  if (refined) poses = refine_trajectory(backend, self.state.store, poses, ledger.records, options.odometry);
+  SlamResult result = make_result(backend, ledger, std::move(poses), refined, options);
   result.wheels = self.tracker.state().motion.wheels.counts;
   result.oddities = self.state.input.oddities;
+  result.deskewed = options.odometry.deskew;
   note_bad_scans(result);
   note_body(self.state, result);
   self.backend_cpu_s = thread_cpu_seconds() - before;

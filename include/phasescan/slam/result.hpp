@@ -135,6 +135,8 @@ struct SlamResult {
   WheelCounts wheels;
   std::map<std::string, InputOddity> oddities;
   std::vector<RunFinding> findings;
+  /// Whether motion was taken out of the scans in the end: not where turns showed that the stated times are wrong.
+  bool deskewed = true;
 
   std::size_t scans_left_out() const;              ///< left out as bad, or not on the map
   std::size_t scans_off_the_map() const;           ///< in pieces that nothing ties to the map drawn
