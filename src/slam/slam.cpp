@@ -9,6 +9,7 @@
 #include "odometry/checked_tracker.hpp"
 #include "slam/finished_map.hpp"
 #include "slam/map_view.hpp"
+#include "slam/run_findings.hpp"
 #include "slam/slam_state.hpp"
 #include "slam/trajectory_refinement.hpp"
 
@@ -45,29 +46,6 @@ Keyframe to_keyframe(const TrackedKeyframe& tracked, ScanId scan) {
   for (std::size_t i = 0; i < points.size(); ++i) keyframe.centre += Eigen::Vector2d(points.x[i], points.y[i]);
   if (points.size() > 0) keyframe.centre /= static_cast<double>(points.size());
   return keyframe;
-}
-
-/// Names the scans that were left out, for the verdict.
-void note_bad_scans(SlamResult& result) {
-  RunFinding finding{"bad_scans", 0, 0, "scans that fit neither the one before nor the one after were left out"};
-  for (const ScanResult& scan : result.scans) {
-    if (!scan.left_out) continue;
-    if (finding.count++ == 0) finding.first_stamp = scan.stamp;
-  }
-  if (finding.count > 0) result.findings.push_back(std::move(finding));
-}
-
-/// The same of the robot's own body.
-void note_body(const SlamState::Data& state, SlamResult& result) {
-  for (const auto& [laser, body] : state.bodies) {
-    if (body.sectors.empty()) continue;
-    const auto oddity = state.input.oddities.find("own body");
-    RunFinding finding{"own_body", body.sectors.size(), 0,
-                       "the robot itself is seen in " + format_sectors(body.sectors) + "; left out"};
-    if (oddity != state.input.oddities.end() && static_cast<std::size_t>(oddity->second.first) < result.scans.size())
-      finding.first_stamp = result.scans[static_cast<std::size_t>(oddity->second.first)].stamp;
-    result.findings.push_back(std::move(finding));
-  }
 }
 
 }  // namespace
@@ -418,8 +396,7 @@ SlamResult Slam::finish() {
   result.wheels = self.tracker.state().motion.wheels.counts;
   result.oddities = self.state.input.oddities;
   result.deskewed = options.odometry.deskew;
-  note_bad_scans(result);
-  note_body(self.state, result);
+  result.findings = run_findings(result, self.state.bodies, self.state.input);
   self.backend_cpu_s = thread_cpu_seconds() - before;
   return result;
 }
@@ -438,30 +415,6 @@ double Slam::last_backend_cpu_s() const {
 
 std::size_t SlamState::scans() const {
   return data_->ledger.records.size();
-}
-
-std::size_t SlamResult::scans_left_out() const {
-  return static_cast<std::size_t>(
-      std::count_if(scans.begin(), scans.end(), [](const ScanResult& s) { return !s.on_map || s.left_out; }));
-}
-
-std::size_t SlamResult::scans_off_the_map() const {
-  return static_cast<std::size_t>(
-      std::count_if(scans.begin(), scans.end(), [](const ScanResult& s) { return !s.on_map; }));
-}
-
-std::vector<Pose2> SlamResult::trajectory() const {
-  std::vector<Pose2> poses;
-  poses.reserve(scans.size());
-  for (const ScanResult& scan : scans) poses.push_back(scan.T_map_base);
-  return poses;
-}
-
-std::vector<Pose2> SlamResult::odometry_trajectory() const {
-  std::vector<Pose2> poses;
-  poses.reserve(scans.size());
-  for (const ScanResult& scan : scans) poses.push_back(scan.T_odom_base);
-  return poses;
 }
 
 }  // namespace phasescan
