@@ -149,9 +149,8 @@ TEST(Search, WhatAGuessLedToStandsBesideWhatIsFoundEverywhere) {
   GlobalOptions options;
   options.finalists = 100;
   const SearchOutcome out = search(options, reference, scan, Pose2{4.1, 0.0, 0.0});
-  EXPECT_TRUE(std::any_of(out.hypotheses.begin(), out.hypotheses.end(), [&](const Hypothesis& h) {
-    return translation_distance(h.T_ref_scan, truth) < 0.2;
-  }));
+  EXPECT_TRUE(std::any_of(out.hypotheses.begin(), out.hypotheses.end(),
+                          [&](const Hypothesis& h) { return translation_distance(h.T_ref_scan, truth) < 0.2; }));
   EXPECT_TRUE(std::any_of(out.hypotheses.begin(), out.hypotheses.end(), [&](const Hypothesis& h) {
     return h.source != RotationSource::kGuess;
   })) << "nothing else was looked for";
