@@ -12,7 +12,7 @@
 namespace phasescan {
 namespace {
 
-std::vector<float> rough_corridor(double x, Random& noise) {
+std::vector<float> rough_corridor(double x, Random& noise, double relief_m = 0.012) {
   // The relief is a function of the place, not of the beam.
   std::vector<float> ranges;
   for (int k = 0; k < 180; ++k) {
@@ -20,7 +20,7 @@ std::vector<float> rough_corridor(double x, Random& noise) {
     const double across = std::abs(std::sin(angle));
     double range = across > 1e-6 ? 0.9 / across : 100.0;
     const double place = x + range * std::cos(angle);
-    const double relief = 0.012 * std::sin(97.0 * place) * std::sin(41.0 * place + (angle > 0 ? 1.0 : 0.0));
+    const double relief = relief_m * std::sin(97.0 * place) * std::sin(41.0 * place + (angle > 0 ? 1.0 : 0.0));
     if (range < 6.0) range += relief / across;
     ranges.push_back(range < 6.0 ? static_cast<float>(range + noise.normal(0.0, 0.002)) : 0.0F);
   }
@@ -73,6 +73,46 @@ TEST(MotionPrior, AssumesRestOrTheUsualMotionOnceBothAreKnown) {
   EXPECT_NEAR(step.x, 0.06, 0.01);
   go(0.06, true);
   EXPECT_EQ(prior.expect({0.2, 0.0, 0.0}).x, 0.2);
+}
+
+/// Steps of a robot that learned from so many scans at rest and as many in motion, along walls with that relief.
+struct Learner {
+  double relief_m;
+  MotionPrior prior;
+  Random noise{2};
+  double x = 0.0;
+
+  bool assumes(double step, bool seen) {
+    x += step;
+    prior.observe(surface_of(rough_corridor(x, noise, relief_m)));
+    const bool assumed = prior.prior_for(0.0).has_value();
+    prior.learn({step, 0.0, 0.0}, seen);
+    return assumed;
+  }
+  void learn(int scans) {
+    for (int k = 0; k < scans; ++k) assumes(0.0, true);
+    for (int k = 0; k < scans; ++k) assumes(0.06, true);
+  }
+};
+
+TEST(MotionPrior, OneScanLikeTheLastIsNoRest) {
+  Learner robot{0.012, {}};
+  robot.learn(30);
+  EXPECT_FALSE(robot.assumes(0.0, false));
+  EXPECT_TRUE(robot.assumes(0.0, false));
+}
+
+TEST(MotionPrior, FewScansAreNoHabit) {
+  Learner robot{0.012, {}};
+  robot.learn(10);
+  for (int k = 0; k < 5; ++k) EXPECT_FALSE(robot.assumes(0.0, false)) << k;
+}
+
+TEST(MotionPrior, WhereRestAndMotionLookTheSameRestIsNotTold) {
+  // Walls without relief: what is left is the noise of each scan.
+  Learner robot{0.0, {}};
+  robot.learn(30);
+  for (int k = 0; k < 20; ++k) EXPECT_FALSE(robot.assumes(0.0, false)) << k;
 }
 
 }  // namespace
