@@ -124,6 +124,17 @@ TEST(PoseGraph, CovarianceOfANodeThatNothingTiesIsEmptyAndSaysNothingOfTheOthers
   EXPECT_THROW(static_cast<void>(graph.covariance(1, -1)), std::invalid_argument);
 }
 
+TEST(PoseGraph, ADisabledEdgeTiesNothing) {
+  PoseGraph graph;
+  for (int i = 0; i < 3; ++i) graph.add_node({static_cast<double>(i), 0, 0});
+  graph.add_edge({0, 1, {1, 0, 0}, information(0.1, 0.1)});
+  graph.set_enabled(graph.add_edge({1, 2, {1, 0, 0}, information(0.1, 0.1), true}), false);
+  EXPECT_FALSE(graph.covariance(2));
+  const auto tied = graph.covariance(1);
+  ASSERT_TRUE(tied) << "what hangs on a disabled edge spoils nothing else";
+  EXPECT_NEAR((*tied)(0, 0), 0.01, 1e-12);
+}
+
 TEST(PoseGraph, ErrorOfALoopIsSpreadEvenly) {
   // A chain of n equal steps along x, whose end is measured 0.1 m short with the information of one step: every step
   // gives way by the same amount, 0.1 / (n + 1).

@@ -54,6 +54,18 @@ TEST(Connectivity, BreaksThatNoLoopBridges) {
   EXPECT_EQ(connectivity.pieces().count, 0);
 }
 
+TEST(Connectivity, TheLargestPieceHasMostNodesAndOfEqualsIsTheFirst) {
+  const auto largest = [](int nodes, const std::vector<int>& breaks) {
+    const Chain chain(nodes, breaks);
+    Connectivity connectivity;
+    connectivity.rebuild(chain.keyframes, chain.graph);
+    return connectivity.pieces().largest;
+  };
+  EXPECT_EQ(largest(6, {1, 4}), 1) << "of 1, 3 and 2 nodes";
+  EXPECT_EQ(largest(6, {3}), 0) << "of 3 and 3";
+  EXPECT_EQ(largest(6, {2}), 1) << "of 2 and 4";
+}
+
 TEST(Connectivity, StepByStepIsTheSameAsFromTheGraphAndAsPathsInIt) {
   Random random(17);
   for (int trial = 0; trial < 30; ++trial) {
