@@ -1,6 +1,7 @@
 // Which keyframes become nodes in bounded memory, decision by decision.
 #include <gtest/gtest.h>
 
+#include "odometry/degeneracy.hpp"
 #include "slam/bounded_admission.hpp"
 #include "support/toy_keyframes.hpp"
 
@@ -153,6 +154,31 @@ TEST(Admission, WhatWasAddedSinceABreakDoesNotShowThatTheRobotIsWhereItWas) {
   for (const Keyframe& keyframe : right) run.submit(keyframe);
   EXPECT_GT(run.session.keyframes().size(), left.size() + 5);
   EXPECT_GE(run.admission.state().unfit_m, GraphSession::kBreakM);
+}
+
+/// What a robot that slipped in a corridor takes for the place that it sees, by a cupboard of some size alone.
+std::vector<RelocalisationCandidate> recognised_in_corridor(std::uint64_t seed) {
+  Random random(seed);
+  const double x = random.uniform(-3.0, 3.0), depth = random.uniform(0.05, 0.3), width = random.uniform(0.1, 1.0);
+  std::vector<Wall> walls = {{{-50, -1}, {50, -1}}, {{-50, 1}, {50, 1}}};
+  add_box(walls, x, 1.0 - depth, x + width, 1.0);
+  Admitting run({}, toy_keyframes(walls, drive({{-1, 0}, {1, 0}}, 0.1, 0.2), random));
+  Keyframe next = toy_keyframes(walls, {{0.1, 0.1, 0.1}}, random)[0];
+  next.T_odom_base = Pose2{1.5, 0.7, 0.6} * next.T_odom_base;
+  run.submit(next);
+  return run.admission.state().candidates;
+}
+
+TEST(Admission, APlaceIsRecognisedWhereThePoseIsKnownAlongTheCorridorToo) {
+  std::size_t recognised = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    for (const RelocalisationCandidate& candidate : recognised_in_corridor(seed)) {
+      EXPECT_TRUE(determines_position(candidate.information, 0.11)) << seed;
+      EXPECT_LT(translation_distance(candidate.pose, {0.1, 0.1, 0.1}), 0.1) << seed;
+      ++recognised;
+    }
+  }
+  EXPECT_GT(recognised, 10U);
 }
 
 }  // namespace
