@@ -162,7 +162,7 @@ std::optional<RelocalisationCandidate> BoundedAdmission::recognise(const Keyfram
     const LocalMap& map = surroundings(place.node, session);
     const Registration found = register_points(map, points_, map.T_world_map().inverse() * there);
     if (found.overlap < kShownOverlap) continue;
-    if (largest_deviation(kMatchTrust * found.information) > kKnownM) continue;
+    if (!determines_position(kMatchTrust * found.information, kKnownM)) continue;
     const Pose2 pose = map.T_world_map() * found.T_map_base;
     if (best && translation_distance(pose, predicted) > options_.loops.small_error_m) continue;
     const Eigen::Matrix3d seen = kMatchTrust * rotate_information(found.information, -found.T_map_base.theta);

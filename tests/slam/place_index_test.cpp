@@ -111,6 +111,19 @@ TEST(PlaceIndex, TellsApartWhatDiffersOnlyInHowItsHarmonicsAreTurned) {
   EXPECT_TRUE(PlaceIndex().most_alike(query, 5).empty());
 }
 
+TEST(PlaceIndex, NumbersThatDoNotTurnCountAsWellAsThoseThatDo) {
+  Random random(12);
+  const PlaceDescriptor query = random_descriptor(random);
+  PlaceDescriptor same_numbers = query, same_turning = query;
+  same_numbers.turning[0] = 0;
+  for (auto& v : same_turning.numbers) v = static_cast<std::int8_t>(-std::max<int>(v, -127));
+  PlaceIndex index;
+  index.add(same_turning);
+  index.add(same_numbers);
+  EXPECT_GT(turned_likeness(query, same_turning), turned_likeness(query, same_numbers));
+  EXPECT_EQ(index.most_alike(query, 1)[0].place, 1U);
+}
+
 TEST(PlaceIndex, AgreesWithBruteForce) {
   Random random(6);
   PlaceIndex index;

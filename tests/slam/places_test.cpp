@@ -144,5 +144,37 @@ TEST(Places, AViewIsMadeOfTheNearestHitsOfSeveralKeyframes) {
   EXPECT_EQ(view_at(keyframes, poses, 1, 5).hit_count(), one.hit_count());
 }
 
+TEST(Places, AViewSeesWhatKeyframesBeforeItLookedAt) {
+  const std::vector<Pose2> poses = {{0, 0, 0}, {0, 0, kPi}};
+  ToyLidar half;
+  half.field = kPi;
+  Random random(4);
+  const auto keyframes = toy_keyframes(testing::two_rooms(), poses, random, half);
+  EXPECT_GT(view_at(keyframes, poses, 1, 1).hit_count(), view_at(keyframes, poses, 1, 0).hit_count() * 3 / 2);
+}
+
+/// What a search finds from each of the keyframes, taken in one after the other.
+std::vector<std::vector<PlaceMatch>> searched(const std::vector<Keyframe>& keyframes, const std::vector<Pose2>& poses,
+                                              const LoopOptions& options) {
+  PlaceSearch places(options);
+  std::vector<std::vector<PlaceMatch>> found;
+  for (std::size_t n = 1; n <= keyframes.size(); ++n)
+    found.push_back(places.add({keyframes.data(), n}, {poses.data(), n}, true));
+  return found;
+}
+
+TEST(Places, WhatLiesJustBehindIsNoPlaceSeenBefore) {
+  const auto poses = drive({{0, 0}, {1.2, 0}, {0, 0}, {1.2, 0}}, 0.1, 0.3);
+  const auto keyframes = keyframes_at(testing::two_rooms(), poses, 0.0);
+  const LoopOptions options;
+  const auto found = searched(keyframes, poses, options);
+  std::size_t all = 0;
+  for (std::size_t node = 0; node < found.size(); ++node) {
+    for (const PlaceMatch& match : found[node]) EXPECT_LE(match.node, static_cast<int>(node) - options.min_nodes_apart);
+    all += found[node].size();
+  }
+  EXPECT_GT(all, 2U);
+}
+
 }  // namespace
 }  // namespace phasescan

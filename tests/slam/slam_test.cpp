@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -229,6 +230,25 @@ TEST(Slam, PredictsAlongTheMotionAndNotFarAhead) {
   const Pose2 next = slam.predict(tour[30].scan.stamp).value();
   EXPECT_LT(translation_distance(next, slam.add(tour[30]).T_map_base()), 0.03);
   EXPECT_FALSE(slam.predict(tour[30].scan.stamp + stamp_from_seconds(1.5)).has_value());
+}
+
+TEST(Slam, OnTheMapAPoseIsLessSureTheLongerItsLastResultIsAgo) {
+  SlamOptions options;
+  options.slam.batch_nodes = 6;
+  Slam slam(options);
+  std::optional<ScanUpdate> first;  // of those with the same result
+  std::size_t compared = 0;
+  for (const RangeMeasurement& m : tour_of(1)) {
+    const ScanUpdate update = slam.add(m);
+    if (!update.map_covariance) continue;
+    if (!first || first->map_version != update.map_version) first = update;
+    // The sum of the positive eigenvalues grows with whatever tracking adds that takes nothing away.
+    const Eigen::Matrix3d added = update.odom_covariance - first->odom_covariance;
+    if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(added).eigenvalues()(0) <= 0.0) continue;
+    EXPECT_GT(update.map_covariance->trace(), first->map_covariance->trace());
+    ++compared;
+  }
+  EXPECT_GT(compared, 10u);
 }
 
 TEST(Slam, BoundedMemoryKeepsTheMapAndStopsGrowingInAKnownWorld) {

@@ -1,0 +1,75 @@
+// The last pass over all scans, on a map made of keyframes whose poses are exact.
+#include "slam/trajectory_refinement.hpp"
+
+#include <gtest/gtest.h>
+
+#include "slam/scan_ledger.hpp"
+#include "support/toy_keyframes.hpp"
+
+namespace phasescan {
+namespace {
+
+using testing::toy_keyframes;
+using testing::toy_scan;
+using testing::ToyLidar;
+using testing::two_rooms;
+
+constexpr double kPeriodS = 0.1;
+
+/// Scans around a keyframe at the origin, one a tenth of a second.
+struct ScansAround {
+  Backend backend{SlamOptions{}};
+  ScanStore scans;
+  std::vector<ScanRecord> records;
+
+  ScansAround() {
+    Random random(3);
+    backend.add_batch(toy_keyframes(two_rooms(), {{0, 0, 0}, {0.1, 0, 0}, {0.2, 0, 0}}, random));
+  }
+  void add(const Pose2& pose, const Twist2& twist, double turn_s) {
+    Random random(7 + records.size());
+    ToyLidar lidar;
+    lidar.turn_s = turn_s;
+    const Stamp stamp = stamp_from_seconds(1.0 + kPeriodS * static_cast<double>(records.size()));
+    scans.add(toy_scan(two_rooms(), pose, lidar, random, stamp, twist), {});
+    ScanRecord record;
+    record.stamp = stamp;
+    record.keyframe = 0;
+    records.push_back(record);
+  }
+  std::vector<Pose2> refined(const std::vector<Pose2>& guess) const {
+    return refine_trajectory(backend, scans, guess, records, {});
+  }
+};
+
+TEST(TrajectoryRefinement, APoseIsMovedByCentimetresOrNotAtAll) {
+  ScansAround run;
+  std::vector<Pose2> guess;
+  for (const double off : {0.0, 0.05, 0.1, 0.18}) {
+    run.add({0, 0, 0}, {}, 0.0);
+    guess.push_back({off, 0, 0});
+  }
+  const std::vector<Pose2> poses = run.refined(guess);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(translation_distance(poses[i], {}), 0.01) << i;
+  EXPECT_EQ(poses[3], guess[3]);
+}
+
+TEST(TrajectoryRefinement, MotionOfATurnIsThatBeforeItsStampWhereBeamsAreListedLastToFirst) {
+  ScansAround run;
+  std::vector<Pose2> truth;
+  constexpr double kRadS = 0.8;
+  // Turns, then stands: the motion after the last turn says nothing of what distorted it.
+  constexpr int kLastTurn = 10;
+  for (int i = 0; i < 14; ++i) {
+    truth.push_back({0, 0, kRadS * kPeriodS * (std::min(i, kLastTurn) - kLastTurn)});
+    run.add(truth.back(), {0, 0, i <= kLastTurn ? kRadS : 0.0}, -0.9 * kPeriodS);
+  }
+  const std::vector<Pose2> poses = run.refined(truth);
+  for (int i = 5; i < 14; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    EXPECT_LT(std::abs(wrap_angle(poses[k].theta - truth[k].theta)), 0.01) << i;
+  }
+}
+
+}  // namespace
+}  // namespace phasescan
