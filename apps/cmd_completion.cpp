@@ -1,5 +1,6 @@
 // phasescan completion bash|zsh|fish: what a shell completes, from the commands' own definitions.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <memory>
@@ -22,12 +23,6 @@ Value value_of(CLI::Option& option) {
   for (const char* of_file : {"FILE", "DIR", "F.", "T.tum", "R.tum", "LOG", "SPEC", "TEXT"})
     value.file = value.file || (type.starts_with(of_file) && type.find('{') == std::string::npos);
   return value;
-}
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
-  return text;
 }
 
 std::vector<CLI::Option*> options_of(const CLI::App& command) {
@@ -63,7 +58,8 @@ void bash_of(const CLI::App& command, const std::string& path, std::string& valu
       const Value value = value_of(*option);
       std::string reply = ":";
       if (!value.words.empty())
-        reply = fmt::format("COMPREPLY=($(compgen -W '{}' -- \"$cur\"))", quoted(joined(value.words)));
+        reply = fmt::format("COMPREPLY=($(compgen -W '{}' -- \"$cur\"))",
+                            quoted(fmt::format("{}", fmt::join(value.words, " "))));
       if (value.file) reply += "; compopt -o default";
       values += fmt::format("    '{} --{}') {}; return ;;\n", path, name, reply);
     }
@@ -120,7 +116,7 @@ void zsh_of(const CLI::App& command, const std::string& name, std::string& out) 
       body += fmt::format(" \\\n    '*--{}[{}]", flag, quoted(option->get_description(), "[]:\\"));
       if (option->get_items_expected_max() > 0) {
         const Value value = value_of(*option);
-        body += ":value:" + (!value.words.empty() ? "(" + quoted(joined(value.words)) + ")"
+        body += ":value:" + (!value.words.empty() ? "(" + quoted(fmt::format("{}", fmt::join(value.words, " "))) + ")"
                              : value.file         ? "_files"
                                                   : "");
       }
@@ -154,7 +150,7 @@ void fish_of(const CLI::App& command, const std::string& condition, std::string&
       const Value value = value_of(*option);
       std::string takes;
       if (option->get_items_expected_max() > 0) takes = value.file ? " -r -F" : " -x";
-      if (!value.words.empty()) takes += " -a '" + quoted(joined(value.words), "\\") + "'";
+      if (!value.words.empty()) takes += " -a '" + quoted(fmt::format("{}", fmt::join(value.words, " ")), "\\") + "'";
       out += fmt::format("complete -c phasescan -n '{}' -l {}{} -d '{}'\n", condition, flag, takes,
                          quoted(option->get_description(), "\\"));
     }

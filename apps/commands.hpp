@@ -121,9 +121,9 @@ void flush();
 template <class E>
 E enum_of_flag(const std::string& flag, const std::string& text) {
   try {
-    return enum_from_string<E>(text);
+    return enum_from_word<E>(text);
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(flag + ": " + error.what() + did_you_mean(text, enum_names<E>()));
+    throw std::invalid_argument(flag + ": " + error.what());
   }
 }
 

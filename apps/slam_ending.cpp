@@ -12,10 +12,12 @@ namespace {
 
 std::string scans_text(const SlamResult& result, const SlamRun& run) {
   std::string text = std::to_string(result.scans.size());
-  const std::size_t unmatched = run.usable - std::min(run.usable, run.tracked), off_map = result.scans_left_out();
+  const std::size_t unmatched = run.usable - std::min(run.usable, run.tracked), off_map = result.scans_off_the_map(),
+                    bad = result.scans_left_out() - off_map;
   if (unmatched > 0) text += fmt::format(", {} not matched", unmatched);
   if (off_map > 0) text += fmt::format(", {} not on the map", off_map);
-  if (unmatched + off_map == 0) text += ", all on the map";
+  if (bad > 0) text += fmt::format(", {} left out", bad);
+  if (unmatched + off_map + bad == 0) text += ", all on the map";
   return text + (run.complete ? "" : " (stopped before the end of the log)");
 }
 
@@ -39,7 +41,7 @@ std::string map_text(const TrinaryMap& map) {
 }  // namespace
 
 std::vector<EndingLine> slam_ending(const SlamResult& result, const SlamRun& run, const std::string& folder) {
-  const std::size_t rejected = result.loops.undone + result.loops.rejected_inconsistent;
+  const std::size_t rejected = result.loops.rejected();
   std::string way = metres_text(path_length(result.trajectory()));
   if (!result.scans.empty())
     way += " in " + duration_text(stamp_to_seconds(result.scans.back().stamp - result.scans.front().stamp));

@@ -1,5 +1,8 @@
 #include "words.hpp"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <sstream>
 
@@ -11,16 +14,10 @@ namespace {
 
 constexpr const char* kWords = "words";
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
-  return text;
-}
-
 }  // namespace
 
 CLI::Validator one_of(std::vector<std::string> words) {
-  const std::string list = "{" + joined(words) + "}";
+  const std::string list = "{" + fmt::format("{}", fmt::join(words, ",")) + "}";
   const auto check = [words = std::move(words), list](std::string& text) -> std::string {
     if (std::find(words.begin(), words.end(), text) != words.end()) return "";
     return quote_text(text) + " is not in " + list + did_you_mean(text, std::span<const std::string>(words));
@@ -30,7 +27,9 @@ CLI::Validator one_of(std::vector<std::string> words) {
 
 CLI::Validator offers(std::vector<std::string> words) {
   // Not active: it refuses nothing and stays out of --help, where the description says it.
-  return CLI::Validator([](std::string&) { return std::string(); }, "{" + joined(words) + "}", kWords).active(false);
+  return CLI::Validator([](std::string&) { return std::string(); },
+                        "{" + fmt::format("{}", fmt::join(words, ",")) + "}", kWords)
+      .active(false);
 }
 
 CLI::Validator offers(std::span<const std::string_view> words) {

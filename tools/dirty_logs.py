@@ -23,11 +23,18 @@ def turned(scans, chance, share):
         scans[k]["ranges"] = r[late:] + r[:late]
 
 
+def lost_part(chance, beams):
+    """First beam and number of beams of one to a third of 10 to 20 packets in a row."""
+    packets = chance.randint(10, 20)
+    gone = chance.randint(1, packets // 3) * beams // packets
+    return chance.randrange(packets * 2 // 3) * beams // packets, gone
+
+
 def packets_lost(scans, chance, share):
     """One to a third of 10 to 20 packets are lost, what came later moves up, and the end has no return."""
     for k in chosen(scans, chance, share):
-        r, packets = scans[k]["ranges"], chance.randint(10, 20)
-        gone, at = chance.randint(1, packets // 3) * len(r) // packets, chance.randrange(packets * 2 // 3) * len(r) // packets
+        r = scans[k]["ranges"]
+        at, gone = lost_part(chance, len(r))
         scans[k]["ranges"] = r[:at] + r[at + gone:] + [0] * gone
 
 
@@ -35,8 +42,8 @@ def packets_kept(scans, chance, share):
     """The same, and the end is what a buffer still had from the turn before."""
     whole = [list(s["ranges"]) for s in scans]
     for k in chosen(scans, chance, share):
-        r, packets = whole[k], chance.randint(10, 20)
-        gone, at = chance.randint(1, packets // 3) * len(r) // packets, chance.randrange(packets * 2 // 3) * len(r) // packets
+        r = whole[k]
+        at, gone = lost_part(chance, len(r))
         scans[k]["ranges"] = r[:at] + r[at + gone:] + whole[k - 1][len(r) - gone:]
 
 

@@ -84,11 +84,7 @@ inline void set_option(std::string& out, const std::string& text, const OptionIn
 template <class E>
 requires std::is_enum_v<E>
 void set_option(E& out, const std::string& text, const OptionInfo&) {
-  try {
-    out = enum_from_string<E>(text);
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(error.what() + did_you_mean(text, enum_names<E>()));
-  }
+  out = enum_from_word<E>(text);
 }
 
 std::string bounds_text(const OptionInfo& info);

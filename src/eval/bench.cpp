@@ -109,11 +109,7 @@ std::vector<BenchMethod> bench_methods(const std::string& comma_separated, const
     const std::string name = comma_separated.substr(start, comma - start);
     start = comma + 1;
     BenchMethod method{"", options};
-    try {
-      method.options.match.method = enum_from_string<MatchMethod>(name);
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(error.what() + did_you_mean(name, enum_names<MatchMethod>()));
-    }
+    method.options.match.method = enum_from_word<MatchMethod>(name);
     method.name = to_string(method.options.match.method);
     for (const BenchMethod& other : methods) {
       if (other.name == method.name) throw std::invalid_argument("method '" + name + "' is named twice");

@@ -62,15 +62,12 @@ Scan cut_scan(const Scan& scan, const LogOptions& options) {
   limits.range_min = std::max(limits.range_min, options.range_min);
   if (options.range_max > 0.0)
     limits.range_max = limits.range_max > 0.0 ? std::min(limits.range_max, options.range_max) : options.range_max;
-  const auto miss = [&](std::size_t i, BeamState why) {
-    out.states[i] = why;
-    out.ranges[i] = std::numeric_limits<float>::quiet_NaN();
-  };
   for (std::size_t i = 0; i < out.size(); ++i) {
-    if (out.is_hit(i) && out.ranges[i] < options.range_min) miss(i, BeamState::kTooNear);
-    if (out.is_hit(i) && options.range_max > 0.0 && out.ranges[i] > options.range_max) miss(i, BeamState::kOutOfRange);
+    if (out.is_hit(i) && out.ranges[i] < options.range_min) out.miss(i, BeamState::kTooNear);
+    if (out.is_hit(i) && options.range_max > 0.0 && out.ranges[i] > options.range_max)
+      out.miss(i, BeamState::kOutOfRange);
     const auto masked = [&](const Sector& sector) { return lies_in(out.angle(i), sector); };
-    if (std::any_of(options.masks.begin(), options.masks.end(), masked)) miss(i, BeamState::kInvalid);
+    if (std::any_of(options.masks.begin(), options.masks.end(), masked)) out.miss(i, BeamState::kInvalid);
   }
   return out;
 }

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "phasescan/core/options.hpp"
 
 namespace phasescan {
 
@@ -15,5 +18,15 @@ std::size_t word_distance(std::string_view a, std::string_view b);
 /// Empty where none is near, and for a word that is one of them.
 std::string did_you_mean(std::string_view word, std::span<const std::string> words);
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> words);
+
+/// The value of an enum by its name. @throws std::invalid_argument naming the choices and the nearest one.
+template <class E>
+E enum_from_word(const std::string& word) {
+  try {
+    return enum_from_string<E>(word);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(error.what() + did_you_mean(word, enum_names<E>()));
+  }
+}
 
 }  // namespace phasescan

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/motion.hpp"
 
@@ -71,11 +70,7 @@ RangeMeasurement without_moving_objects(const RangeMeasurement& measurement, con
   RangeMeasurement left = measurement;
   if (static_cast<double>(frame.left_out.size()) > kMostMoving * static_cast<double>(frame.all_points->size()))
     return left;
-  for (const int beam : frame.left_out) {
-    const auto i = static_cast<std::size_t>(beam);
-    left.scan.ranges[i] = std::numeric_limits<float>::quiet_NaN();
-    left.scan.states[i] = BeamState::kInvalid;
-  }
+  for (const int beam : frame.left_out) left.scan.miss(static_cast<std::size_t>(beam), BeamState::kInvalid);
   return left;
 }
 

@@ -15,6 +15,10 @@ inline constexpr double kMatchTrust = 0.1;
 /// Turns an information or covariance matrix of (x, y, theta) into a frame in which vectors appear turned by `theta`.
 Eigen::Matrix3d rotate_information(const Eigen::Matrix3d& matrix, double theta);
 
+/// What an error (x, y, theta) at a point is at another one that lies `ahead` of it, axes alike: a wrong heading moves
+/// what lies ahead.
+Eigen::Matrix3d carry_covariance(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& ahead);
+
 /// A symmetric matrix with its negative eigenvalues set to 0.
 Eigen::Matrix3d positive_part(const Eigen::Matrix3d& matrix);
 

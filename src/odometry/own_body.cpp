@@ -62,9 +62,7 @@ double share_changed(const Bins& a, const Bins& b) {
 Scan without_bins(const Scan& scan, const std::array<bool, kBodyBins>& out) {
   Scan left = scan;
   for (std::size_t i = 0; i < left.size(); ++i) {
-    if (!left.is_hit(i) || !out[bin_of(left.angle(i))]) continue;
-    left.ranges[i] = std::numeric_limits<float>::quiet_NaN();
-    left.states[i] = BeamState::kInvalid;
+    if (left.is_hit(i) && out[bin_of(left.angle(i))]) left.miss(i, BeamState::kInvalid);
   }
   return left;
 }
@@ -158,9 +156,7 @@ Scan without_sectors(const Scan& scan, const std::vector<BodySector>& sectors) {
     const bool inside = std::any_of(sectors.begin(), sectors.end(), [&](const BodySector& s) {
       return wrap_positive(angle - s.from) <= wrap_positive(s.to - s.from);
     });
-    if (!inside) continue;
-    left.ranges[i] = std::numeric_limits<float>::quiet_NaN();
-    left.states[i] = BeamState::kInvalid;
+    if (inside) left.miss(i, BeamState::kInvalid);
   }
   return left;
 }

@@ -110,8 +110,7 @@ PoseEdge edge_of(const Loop& loop) {
 }  // namespace
 
 void GraphSession::add_loop(const Loop& loop) {
-  const Pose2 error = poses()[static_cast<std::size_t>(loop.to)].inverse() *
-                      (poses()[static_cast<std::size_t>(loop.from)] * loop.T_from_to);
+  const Pose2 error = asked_correction(loop, poses());
   const double off = std::hypot(error.x, error.y);
   const int edge = state_.graph.add_edge(edge_of(loop));
   ++state_.new_edges;

@@ -164,8 +164,7 @@ bool LoopCloser::one_of_several(const std::vector<Loop>& found, const std::vecto
 }
 
 bool LoopCloser::within_drift(const Loop& loop, const GraphSession& session) const {
-  const Pose2 there = session.poses()[static_cast<std::size_t>(loop.from)] * loop.T_from_to;
-  const Pose2 off = session.poses()[static_cast<std::size_t>(loop.to)].inverse() * there;
+  const Pose2 off = asked_correction(loop, session.poses());
   const Eigen::Vector3d error(off.x, off.y, off.theta);
   Eigen::Matrix3d known = covariance_.between(loop.from, loop.to) + loop.information.inverse();
   known.diagonal() += Eigen::Vector3d(kBentM * kBentM, kBentM * kBentM, kBentRad * kBentRad);

@@ -17,7 +17,7 @@ bool within(const Pose2& error, double metres, double degrees) {
 
 std::vector<Loop> LoopConsistency::add(const Loop& loop, std::span<const Pose2> poses, SmallLoops small) {
   const auto pose = [&](int node) { return poses[static_cast<std::size_t>(node)]; };
-  const Pose2 error = pose(loop.to).inverse() * (pose(loop.from) * loop.T_from_to);
+  const Pose2 error = asked_correction(loop, poses);
   if (small == SmallLoops::kAccepted && within(error, options_.small_error_m, options_.small_error_deg)) return {loop};
   std::vector<Loop>& waiting = state_.waiting;
   auto kept = waiting.begin();

@@ -28,6 +28,12 @@ struct Loop {
   }
 };
 
+/// What a loop asks of the map: from where its end stands to where the loop puts it, frame of `to`.
+inline Pose2 asked_correction(const Loop& loop, std::span<const Pose2> poses) {
+  return poses[static_cast<std::size_t>(loop.to)].inverse() *
+         (poses[static_cast<std::size_t>(loop.from)] * loop.T_from_to);
+}
+
 struct LoopConsistencyState {
   static constexpr int kVersion = 1;
   std::vector<Loop> waiting;  ///< in the order in which they came, at most 64

@@ -13,10 +13,7 @@ constexpr double kWeakM = 1.0, kWeakRad = 0.5;
 
 /// Of T_map_b = T_map_a * T_a_b from that of T_map_a, what lies between them known.
 Eigen::Matrix3d carry(const Eigen::Matrix3d& covariance, const Pose2& T_map_a, const Pose2& T_map_b) {
-  Eigen::Matrix3d by_a = Eigen::Matrix3d::Identity();
-  by_a(0, 2) = -(T_map_b.y - T_map_a.y);
-  by_a(1, 2) = T_map_b.x - T_map_a.x;
-  return by_a * covariance * by_a.transpose();
+  return carry_covariance(covariance, T_map_b.translation() - T_map_a.translation());
 }
 
 /// Adds an error in the frame of the pose itself.

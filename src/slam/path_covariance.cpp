@@ -1,6 +1,5 @@
 #include "slam/path_covariance.hpp"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cstddef>
 
@@ -20,14 +19,6 @@ constexpr double kBreakM = 3.0, kBreakRad = 3.0;  // of the guess that ties a no
 // Of tracking that turns too much or too little all the time [rad/m]: half of the worst recorded log.
 constexpr double kTurning = 0.00035;
 constexpr double kLeverM = 10.0;  // a radian counts for as many metres, when ways are compared: half of a large room
-
-/// What errors (x, y, theta) at a point do to another one that lies `ahead` of it, axes alike.
-Eigen::Matrix3d carried(const Eigen::Matrix3d& covariance, const Eigen::Vector2d& ahead) {
-  Eigen::Matrix3d by = Eigen::Matrix3d::Identity();
-  by(0, 2) = -ahead.y();
-  by(1, 2) = ahead.x();
-  return by * covariance * by.transpose();
-}
 
 Eigen::Matrix3d step_covariance(const Keyframe& to) {
   if (to.new_segment) return Eigen::Vector3d(kBreakM * kBreakM, kBreakM * kBreakM, kBreakRad * kBreakRad).asDiagonal();
@@ -49,7 +40,7 @@ void PathCovariance::hang(const PoseEdge& edge, const Keyframe& to) {
   n.parent = edge.from;
   n.length = length;
   const Eigen::Vector2d at = n.pose.translation();
-  n.sums.single = parent.sums.single + carried(rotate_information(covariance, n.pose.theta), -at);
+  n.sums.single = parent.sums.single + carry_covariance(rotate_information(covariance, n.pose.theta), -at);
   const double way = edge.robust ? 0.0 : edge.T_from_to.translation().norm();
   n.sums.turning = parent.sums.turning + way * Eigen::Vector3d(at.y(), -at.x(), 1.0);
 }
@@ -88,7 +79,7 @@ Eigen::Matrix3d PathCovariance::between(int from, int to) const {
   }
   const Node &start = node(from), &end = node(to), &common = node(a);
   const Eigen::Matrix3d single =
-      carried(end.sums.single + start.sums.single - 2.0 * common.sums.single, end.pose.translation());
+      carry_covariance(end.sums.single + start.sums.single - 2.0 * common.sums.single, end.pose.translation());
   const Eigen::Vector3d ahead = end.sums.turning - start.sums.turning;
   const Eigen::Vector2d at = end.pose.translation();
   const Eigen::Vector3d turning = {ahead.x() - at.y() * ahead.z(), ahead.y() + at.x() * ahead.z(), ahead.z()};

@@ -90,6 +90,7 @@ struct Slam::Impl {
   void enter(std::shared_ptr<const BackendResult> result);
   ScanUpdate update_of(const TrackerStep& step, Stamp stamp) const;
   void report(ScanId scan, const std::vector<OddityNote>& notes) const;
+  void take_note(ScanId scan, const OddityNote& note);
 
   bool bounded() const { return options.slam.bounded_memory; }
   /// Whether every scan is kept, and not the keyframes' alone.
@@ -142,8 +143,7 @@ bool Slam::Impl::look_for_body(const RangeMeasurement& measurement, bool repeate
   const OddityNote note{"own body", false,
                         "the robot itself is seen in " + format_sectors(body.sectors) +
                             " of the laser's frame, whatever the scene; these beams are left out"};
-  note_oddity(state.input, note, scan);
-  report(scan, {note});
+  take_note(scan, note);
   return true;
 }
 
@@ -239,8 +239,7 @@ void Slam::Impl::settle(const SettledScan& settled) {
   }
   if (settled.left_out) {
     const OddityNote note{"bad scan", false, "a scan that fits neither the one before nor the one after; left out"};
-    note_oddity(state.input, note, id);
-    report(id, {note});
+    take_note(id, note);
   }
   hand_over_full_batch();
 }
@@ -319,6 +318,12 @@ ScanUpdate Slam::Impl::update_of(const TrackerStep& step, Stamp stamp) const {
 void Slam::Impl::report(ScanId scan, const std::vector<OddityNote>& notes) const {
   if (observer == nullptr) return;
   for (const OddityNote& note : notes) observer->on_warning(scan, note.kind, note.what, note.damage);
+}
+
+/// What tracking found odd, beside what the input shows by itself.
+void Slam::Impl::take_note(ScanId scan, const OddityNote& note) {
+  note_oddity(state.input, note, scan);
+  report(scan, {note});
 }
 
 Slam::Slam(const SlamOptions& options, Schedule schedule, Executor* executor)

@@ -54,6 +54,12 @@ struct Scan {
                           : static_cast<double>(angles[i]);
   }
 
+  /// Beam i has no range from now on.
+  void miss(std::size_t i, BeamState why) {
+    ranges[i] = std::numeric_limits<float>::quiet_NaN();
+    states[i] = why;
+  }
+
   /// Number of beams with a range.
   std::size_t hit_count() const;
 

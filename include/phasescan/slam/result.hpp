@@ -70,6 +70,9 @@ struct LoopCounts {
   /// counts above.
   std::size_t in_graph = 0;
 
+  /// All that were found and are not accepted.
+  std::size_t rejected() const { return undone + rejected_inconsistent + rejected_beyond_drift + rejected_alike; }
+
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("compared", self.compared);
