@@ -35,6 +35,11 @@ if("io" IN_LIST PHASESCAN_BUILT)
   find_package(fmt REQUIRED)
 endif()
 
+# Serial ports.
+if("live" IN_LIST PHASESCAN_BUILT)
+  pkg_check_modules(SERIALPORT REQUIRED IMPORTED_TARGET GLOBAL libserialport)
+endif()
+
 # The command's reports and maps.
 if(PHASESCAN_COMPLETE)
   find_package(PNG REQUIRED)

@@ -1,10 +1,11 @@
-# Relocatable install: find_package(phasescan COMPONENTS match fft_icp slam io) and a phasescan-<component>.pc for each.
+# Relocatable install: find_package(phasescan COMPONENTS match fft_icp slam io live) and a phasescan-<component>.pc for each.
 # A component brings its library, its headers and the names of its own dependencies.
 include(CMakePackageConfigHelpers)
 set(headers_match core scan match)
 set(headers_fft_icp fft_icp)
 set(headers_slam odometry map slam)
 set(headers_io io)
+set(headers_live live)
 
 set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/phasescan)
 file(RELATIVE_PATH up_from_pc "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
@@ -18,10 +19,13 @@ set(requires_slam "phasescan-match")
 set(libs_slam "-lceres -lglog")
 set(requires_io "phasescan-match yaml-cpp zlib sqlite3 liblz4 libzstd fmt")
 set(libs_io "-lbz2")
+set(requires_live "phasescan-slam phasescan-io libserialport")
+set(libs_live "-pthread")
 set(about_match "2-D scan matching with no first guess")
 set(about_fft_icp "2-D scan matching by FFT and ICP")
 set(about_slam "2-D lidar odometry, loops, pose graph and maps")
 set(about_io "Readers and writers of 2-D lidar logs")
+set(about_live "Plugged-in 2-D lidars: bytes to scans, ports, maps while they grow")
 
 set(all_pcs "")
 foreach(component IN LISTS PHASESCAN_BUILT)

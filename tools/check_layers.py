@@ -23,6 +23,7 @@ graph        core
 map          core scan
 slam         core scan match odometry graph map
 io           core scan
+live         core scan match odometry map slam io
 sim          core scan io
 calibrate    core scan io sim
 config       core methods io match fft_icp slam

@@ -13,3 +13,7 @@
 #if __has_include("phasescan/io/log.hpp")
 #include "phasescan/io/log.hpp"  // IWYU pragma: export
 #endif
+#if __has_include("phasescan/live/turns.hpp")
+#include "phasescan/live/decoder.hpp"  // IWYU pragma: export
+#include "phasescan/live/turns.hpp"    // IWYU pragma: export
+#endif

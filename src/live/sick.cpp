@@ -1,0 +1,102 @@
+// SICK laser scanners over TCP: telegrams of text between STX and ETX (CoLa A). The line has a check of its own.
+// Source: io/sick_telegram.hpp.
+#include "live/sick.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "io/sick_telegram.hpp"
+#include "live/checks.hpp"
+#include "live/stream_decoder.hpp"
+
+namespace phasescan::live {
+namespace {
+
+constexpr std::size_t kMostTelegram = 60000;  // 1,141 values of 4 digits, ranges and strengths, are 12 kB
+constexpr std::size_t kMostWords = 30000;
+
+class SickDecoder final : public StreamDecoder {
+ public:
+  using StreamDecoder::StreamDecoder;
+
+ private:
+  Cut find(Bytes pending) override {
+    if (pending[0] != sick::kStx) return Cut::skip();
+    if (pending.size() < 2) return Cut::wait();
+    if (pending[1] == sick::kStx) return find_binary(pending);
+    for (std::size_t at = 1; at < pending.size(); ++at) {
+      if (pending[at] == sick::kEtx) return Cut::packet(at + 1);
+      if (pending[at] == sick::kStx || at > kMostTelegram) return Cut::skip(at);
+    }
+    return Cut::wait();
+  }
+
+  /// 02 02 02 02, u32 length (big endian), as many bytes, their XOR.
+  static Cut find_binary(Bytes pending) {
+    if (pending.size() < 8) return Cut::wait();
+    const std::size_t size = static_cast<std::size_t>(u16_be_at(pending, 4)) << 16 | u16_be_at(pending, 6);
+    if (u16_at(pending, 2) != 0x0202 || size > kMostTelegram) return Cut::skip();
+    if (pending.size() < 9 + size) return Cut::wait();
+    return xor_of(pending.subspan(8, size)) == pending[8 + size] ? Cut::packet(9 + size) : Cut::bad();
+  }
+
+  bool take(Bytes packet, const PacketTime& time, Decoded& out) override {
+    if (packet[1] == sick::kStx) {
+      out.replies.push_back({sick::kBinary, {packet.begin() + 8, packet.end() - 1}});
+      return true;
+    }
+    const std::string_view text(reinterpret_cast<const char*>(packet.data()) + 1, packet.size() - 2);
+    words_.clear();
+    for (std::size_t at = 0; at <= text.size() && words_.size() < kMostWords;) {
+      const std::size_t end = std::min(text.find(' ', at), text.size());
+      words_.push_back(text.substr(at, end - at));
+      at = end + 1;
+    }
+    const bool scan = words_.size() > 2 && words_[1] == "LMDscandata" && (words_[0] == "sSN" || words_[0] == "sRA");
+    if (!scan) {
+      out.replies.push_back({sick::kTelegram, {text.begin(), text.end()}});
+      return true;
+    }
+    try {
+      const SickTelegram telegram = read_sick_telegram(words_, model().zero_deg);
+      if (telegram.layer == 0) put(telegram, time, out);
+      return true;
+    } catch (const BadTelegram&) {
+      return false;
+    }
+  }
+
+  void put(const SickTelegram& telegram, const PacketTime& time, Decoded& out) {
+    const Scan& scan = telegram.scan;
+    const double step_s =
+        telegram.turns_hz > 0.0 ? std::abs(scan.geometry.angle_increment) / kTwoPi / telegram.turns_hz : 0.0;
+    const double elapsed = known_ ? 1e-6 * (telegram.started_us - last_us_) : -1.0;
+    known_ = true;
+    last_us_ = telegram.started_us;
+    const Stamp end = clock_.at(time.first, elapsed);
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      Beam beam;
+      beam.angle = scan.angle(i);
+      beam.sweep = wrap_positive(static_cast<double>(i) * std::abs(scan.geometry.angle_increment));
+      put_range(beam, scan.is_hit(i) ? scan.ranges[i] : 0.0);
+      if (!scan.intensities.empty()) beam.intensity = scan.intensities[i];
+      beam.stamp = end - stamp_from_seconds((static_cast<double>(scan.size() - i) - 0.5) * step_s);
+      if (i == 0) beam.mark = TurnMark::kStarts;
+      beam.ends_turn = i + 1 == scan.size();
+      out.beams.push_back(beam);
+    }
+  }
+
+  std::vector<std::string_view> words_;
+  bool known_ = false;
+  std::uint32_t last_us_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Decoder> make_sick_decoder(const SensorModel& model, double bytes_per_s) {
+  return std::make_unique<SickDecoder>(model, bytes_per_s);
+}
+
+}  // namespace phasescan::live
