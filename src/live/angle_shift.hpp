@@ -8,15 +8,19 @@
 
 namespace phasescan::live {
 
-/// What is added to the turned angle of a range [rad]; 0 for no range. Constants: YDLIDAR's development manuals of X4 and
-/// SCL, LDROBOT's driver of LD14 (which keeps the last shift where there is no range: there it does not matter).
+/// What is added to the turned angle of a range [rad]; 0 for no range. Constants: YDLIDAR's development manuals of X4
+/// and SCL, LDROBOT's driver of LD14 (which keeps the last shift where there is no range: there it does not matter).
 inline double angle_shift(AngleShift shift, double mm) {
   if (!(mm > 0.0)) return 0.0;
   switch (shift) {
-    case AngleShift::kNone: return 0.0;
-    case AngleShift::kYdTriangle: return std::atan(21.8 * (155.3 - mm) / (155.3 * mm));
-    case AngleShift::kYdScl: return std::atan(17.8 / mm);
-    case AngleShift::kLd14: return -std::atan((0.11923 * mm - 18.9756) / (mm + 5.9));
+    case AngleShift::kNone:
+      return 0.0;
+    case AngleShift::kYdTriangle:
+      return std::atan(21.8 * (155.3 - mm) / (155.3 * mm));
+    case AngleShift::kYdScl:
+      return std::atan(17.8 / mm);
+    case AngleShift::kLd14:
+      return -std::atan((0.11923 * mm - 18.9756) / (mm + 5.9));
   }
   return 0.0;
 }

@@ -1,7 +1,8 @@
 // Camsense X1: 36 bytes a packet, 8 samples, one way. Some send 12 samples (0C).
 // Source: the community's descriptions (Vidicon/camsense-X1); the check and the step by captures (docs/live.md).
 //
-//   55 AA 03 08 | u16 rpm x 64 | u16 start | 8 x {u16 mm, u8 quality} | u16 end | u16 folded sum;  deg = (v - A000) / 64
+//   55 AA 03 08 | u16 rpm x 64 | u16 start | 8 x {u16 mm, u8 quality} | u16 end | u16 folded sum;  deg = (v - A000) /
+//   64
 #include <cmath>
 
 #include "live/angle_shift.hpp"

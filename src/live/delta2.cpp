@@ -12,7 +12,7 @@
 namespace phasescan::live {
 namespace {
 
-constexpr std::size_t kHead = 8;       // up to the first byte that n counts
+constexpr std::size_t kHead = 8;         // up to the first byte that n counts
 constexpr std::size_t kMostBody = 1024;  // samples of a packet: 24 deg at 20 kHz and 2 turns a second are below 700
 constexpr double kWide = 24.0, kNarrow = 22.5;  // degrees a packet: 2G, the others
 

@@ -15,7 +15,7 @@
 namespace phasescan::live {
 namespace {
 
-constexpr std::size_t kLongestLine = 128;   // of text: echoes and parameters; data lines have 65
+constexpr std::size_t kLongestLine = 128;  // of text: echoes and parameters; data lines have 65
 constexpr std::size_t kMostBlock = 32768;  // 1,440 steps of range and intensity are 9 kB
 
 std::string_view text_of(Bytes bytes) {
@@ -137,7 +137,8 @@ class HokuyoDecoder final : public StreamDecoder {
       beam.angle = counter_clockwise((at - front_) * kTwoPi / steps_);
       const std::uint32_t mm = scip::number(std::string_view(data_).substr(k * stride, width));
       put_range(beam, 1e-3 * mm < range_min_ ? 0.0 : 1e-3 * mm);  // below the least range: why there is none
-      if (strengths) beam.intensity = static_cast<float>(scip::number(std::string_view(data_).substr(k * stride + width, width)));
+      if (strengths)
+        beam.intensity = static_cast<float>(scip::number(std::string_view(data_).substr(k * stride + width, width)));
       beam.stamp = end - stamp_from_seconds((*to + 0.5 - at) * step_s);
       if (k == 0) beam.mark = TurnMark::kStarts;
       beam.ends_turn = k + 1 == expected;

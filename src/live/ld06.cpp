@@ -34,7 +34,7 @@ class Ld06Decoder final : public StreamDecoder {
     const double start = deg_to_rad(0.01 * from), rate = deg_to_rad(speed);
     const double step = turned_on(start, deg_to_rad(0.01 * to)) / (kSamples - 1);
     // Twelve samples of a quarter turn or more are no packet of a sensor that turns.
-    if (step * kSamples > 0.5 * kPi) return false;
+    if (step * kSamples > 0.5 * kPi || !usual(step)) return false;
     const double elapsed = known_ ? turned_on(last_start_, start) / rate : -1.0;
     known_ = true;
     last_start_ = start;
@@ -56,7 +56,19 @@ class Ld06Decoder final : public StreamDecoder {
     return true;
   }
 
+  /// One wrong packet in 256 passes its check. The steps of a turning head change slowly.
+  bool usual(double step) {
+    constexpr int kOddOnes = 5;  // so many in a row: the speed is another now
+    const bool alike = step_ > 0.0 && step > 0.5 * step_ && step < 2.0 * step_;
+    if (!alike && step_ > 0.0 && ++odd_ < kOddOnes) return false;
+    step_ = step;
+    odd_ = 0;
+    return true;
+  }
+
   bool known_ = false;
+  int odd_ = 0;
+  double step_ = 0.0;
   double last_start_ = 0.0, last_sweep_ = 0.0;
 };
 

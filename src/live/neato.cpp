@@ -42,8 +42,7 @@ class DegreeDecoder : public StreamDecoder {
     const bool turning = turns > 0.1 && turns < 20.0;
     const double step = turning ? 1.0 / (360.0 * turns) : 0.0;
     const int before = 360 / samples_;
-    const double elapsed =
-        last_ >= 0 && turning ? ((index - last_ + before) % before) * samples_ * step : -1.0;
+    const double elapsed = last_ >= 0 && turning ? ((index - last_ + before) % before) * samples_ * step : -1.0;
     const Stamp sent = clock_.at(time.first, elapsed);
     for (int k = 0; k < samples_; ++k) {
       Beam beam;

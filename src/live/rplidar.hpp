@@ -13,8 +13,9 @@
 namespace phasescan::live::rplidar {
 
 // Requests: A5, command, and where bit 7 of the command is set a length, as many bytes and the XOR of all before.
-inline constexpr std::uint8_t kStop = 0x25, kScan = 0x20, kReset = 0x40, kInfo = 0x50, kHealth = 0x52, kSampleRate = 0x59,
-                              kExpress = 0x82, kConf = 0x84, kRpm = 0xA8, kPwm = 0xF0, kMotorBoard = 0xFF;
+inline constexpr std::uint8_t kStop = 0x25, kScan = 0x20, kReset = 0x40, kInfo = 0x50, kHealth = 0x52,
+                              kSampleRate = 0x59, kExpress = 0x82, kConf = 0x84, kRpm = 0xA8, kPwm = 0xF0,
+                              kMotorBoard = 0xFF;
 // Entries of kConf.
 inline constexpr std::uint32_t kModeCount = 0x70, kModeMicroseconds = 0x71, kModeRange = 0x74, kModeAnswer = 0x75,
                                kTypicalMode = 0x7C, kModeName = 0x7F;
@@ -29,18 +30,25 @@ std::vector<std::uint8_t> conf_request(std::uint32_t entry, std::optional<std::u
 /// Bytes of a packet of that type of answer; 0: not one that beams come in.
 constexpr std::size_t packet_size(int type) {
   switch (type) {
-    case kNodes: return 5;
-    case kCapsules: case kDense: return 84;
-    case kHqNodes: return 781;
-    case kUltra: return 132;
-    case kUltraDense: return 170;
-    default: return 0;
+    case kNodes:
+      return 5;
+    case kCapsules:
+    case kDense:
+      return 84;
+    case kHqNodes:
+      return 781;
+    case kUltra:
+      return 132;
+    case kUltraDense:
+      return 170;
+    default:
+      return 0;
   }
 }
 
 /// A sample of a capsule: its direction is that of its place in the capsule, and this further on.
 struct CapsuleSample {
-  double shift = 0.0;  ///< [rad], clockwise
+  double shift = 0.0;             ///< [rad], clockwise
   std::uint32_t distance_q2 = 0;  ///< quarter millimetres
   float quality = 0.0F;
 };

@@ -29,7 +29,9 @@ void read_ultra(Bytes capsule, Bytes next, std::vector<CapsuleSample>& out) {
     const std::uint32_t word = u32_at(capsule, 4 + 4 * i);
     const std::uint32_t behind = i < 31 ? u32_at(capsule, 8 + 4 * i) : u32_at(next, 4);
     const VarBits own = var_bits(word & 0xFFF), following = var_bits(behind & 0xFFF);
-    const auto signed10 = [](std::uint32_t bits) { return static_cast<int>(bits & 0x3FF) - ((bits & 0x200) ? 1024 : 0); };
+    const auto signed10 = [](std::uint32_t bits) {
+      return static_cast<int>(bits & 0x3FF) - ((bits & 0x200) ? 1024 : 0);
+    };
     const int first = signed10(word >> 12), second = signed10(word >> 22);
     const auto none = [](int difference) { return difference == 0x1FF || difference == -0x200; };
     const VarBits base = own.value == 0 ? following : own;
@@ -78,10 +80,14 @@ bool capsule_is_right(Bytes capsule) {
 void read_capsule(int type, Bytes capsule, Bytes next, std::vector<CapsuleSample>& out) {
   out.clear();
   switch (type) {
-    case kCapsules: return read_express(capsule, out);
-    case kUltra: return read_ultra(capsule, next, out);
-    case kDense: return read_dense(capsule, out);
-    default: return read_ultra_dense(capsule, out);
+    case kCapsules:
+      return read_express(capsule, out);
+    case kUltra:
+      return read_ultra(capsule, next, out);
+    case kDense:
+      return read_dense(capsule, out);
+    default:
+      return read_ultra_dense(capsule, out);
   }
 }
 
@@ -98,7 +104,10 @@ std::vector<std::uint8_t> request(std::uint8_t command, Bytes payload) {
 std::vector<std::uint8_t> conf_request(std::uint32_t entry, std::optional<std::uint16_t> mode) {
   std::vector<std::uint8_t> payload;
   for (int i = 0; i < 4; ++i) payload.push_back(static_cast<std::uint8_t>(entry >> (8 * i)));
-  if (mode) payload.insert(payload.end(), {static_cast<std::uint8_t>(*mode), static_cast<std::uint8_t>(*mode >> 8)});
+  if (mode) {
+    payload.push_back(static_cast<std::uint8_t>(*mode));
+    payload.push_back(static_cast<std::uint8_t>(*mode >> 8));
+  }
   return request(kConf, payload);
 }
 

@@ -14,8 +14,8 @@ namespace {
 using namespace rplidar;
 
 constexpr std::size_t kDescriptor = 7;
-// A node has no check but two bits and their complements: random bytes pass one time in four. A node counts where it and
-// so many behind it pass.
+// A node has no check but two bits and their complements: random bytes pass one time in four. A node counts where it
+// and so many behind it pass.
 constexpr std::size_t kRun = 6;
 constexpr std::string_view kBannerText = "RP LIDAR";
 // Samples a second from 2,000 (A1, standard) to 32,000 (S2): what is stated beyond twice that is nonsense.
@@ -61,7 +61,11 @@ class RplidarDecoder final : public StreamDecoder {
     }
     if (mode_ == 0) return Cut::skip();
     if (mode_ == kNodes) return find_node(pending);
-    return find_capsule(pending);
+    const Cut cut = find_capsule(pending);
+    // One wrong capsule in 256 passes its check where bytes were lost or came in between: one that no other follows at
+    // once does not count.
+    if (cut.what != Cut::What::kPacket && cut.what != Cut::What::kWait) before_.clear();
+    return cut;
   }
 
   Cut find_node(Bytes pending) {
@@ -201,20 +205,23 @@ class RplidarDecoder final : public StreamDecoder {
   }
 
   /// Whether the next capsule, `on` further, is the one that followed. There is no counter: where one is lost, that
-  /// before it would be stretched over the angle of both.
+  /// before it would be stretched over the angle of both. What is lost never makes the way shorter.
   bool follows(double on, double& capsules) {
     constexpr int kOddOnes = 8;  // so many in a row: the speed is another now
     if (on <= 0.0) return false;
-    if (expected_on_ <= 0.0) expected_on_ = on;
+    if (expected_on_ <= 0.0) {
+      expected_on_ = on;
+      return false;
+    }
     const double ratio = on / expected_on_;
-    if (ratio > 0.6 && ratio < 1.5) {
-      expected_on_ += 0.2 * (on - expected_on_);
+    capsules = std::max(1.0, std::round(ratio));
+    if (ratio < 1.5) {
+      expected_on_ = ratio < 0.6 ? on : expected_on_ + 0.2 * (on - expected_on_);
       odd_ = 0;
       return true;
     }
-    capsules = std::max(1.0, std::round(ratio));
     if (++odd_ >= kOddOnes) {
-      expected_on_ = on;
+      expected_on_ = 0.0;
       odd_ = 0;
       clock_.reset();
     }

@@ -34,8 +34,8 @@ constexpr SensorModel kModels[] = {
     {"camsense-x1", "Camsense X1", kCamsense, 115200, 0.08, 8.0, 5.2, 2080},
     {"delta-2b", "3irobotix Delta-2B", kDelta2, 230400, 0.15, 8.0, 6.0, 5000},
     {"delta-2a", "3irobotix Delta-2A, 2D, 2G", kDelta2, 115200, 0.15, 8.0, 6.0, 2000},
-    {"hokuyo", "Hokuyo URG-04LX, UTM-30LX, UST-10LX (SCIP 2.0)", kHokuyo, 115200, 0.0, 0.0, 10.0, 10240, kNone, 0.25, 0.0,
-     10940},
+    {"hokuyo", "Hokuyo URG-04LX, UTM-30LX, UST-10LX (SCIP 2.0)", kHokuyo, 115200, 0.0, 0.0, 10.0, 10240, kNone, 0.25,
+     0.0, 10940},
     {"sick-tim", "SICK TiM5xx, TiM7xx, LMS1xx, LMS5xx (CoLa A)", kSick, 0, 0.05, 0.0, 15.0, 12150, kNone, 0.25, -90.0,
      2112},
     {"sick-tim240", "SICK TiM240, LRS4 (CoLa A)", kSick, 0, 0.05, 0.0, 14.5, 5220, kNone, 0.25, 0.0, 2112},
@@ -55,7 +55,8 @@ const SensorModel* find_sensor(std::string_view name) {
 }
 
 std::string_view to_string(Protocol protocol) {
-  constexpr std::string_view kNames[] = {"rplidar", "ld06", "lds-01", "xv11", "ydlidar", "camsense", "delta-2", "hokuyo", "sick"};
+  constexpr std::string_view kNames[] = {"rplidar",  "ld06",    "lds-01", "xv11", "ydlidar",
+                                         "camsense", "delta-2", "hokuyo", "sick"};
   return kNames[static_cast<std::size_t>(protocol)];
 }
 

@@ -54,15 +54,24 @@ void StreamDecoder::put_range(Beam& beam, double metres) const {
 
 std::unique_ptr<Decoder> make_decoder(const SensorModel& model, double bytes_per_s) {
   switch (model.protocol) {
-    case Protocol::kRplidar: return make_rplidar_decoder(model, bytes_per_s);
-    case Protocol::kLd06: return make_ld06_decoder(model, bytes_per_s);
-    case Protocol::kLds01: return make_lds01_decoder(model, bytes_per_s);
-    case Protocol::kXv11: return make_xv11_decoder(model, bytes_per_s);
-    case Protocol::kYdlidar: return make_ydlidar_decoder(model, bytes_per_s);
-    case Protocol::kCamsense: return make_camsense_decoder(model, bytes_per_s);
-    case Protocol::kDelta2: return make_delta2_decoder(model, bytes_per_s);
-    case Protocol::kHokuyo: return make_hokuyo_decoder(model, bytes_per_s);
-    case Protocol::kSick: return make_sick_decoder(model, bytes_per_s);
+    case Protocol::kRplidar:
+      return make_rplidar_decoder(model, bytes_per_s);
+    case Protocol::kLd06:
+      return make_ld06_decoder(model, bytes_per_s);
+    case Protocol::kLds01:
+      return make_lds01_decoder(model, bytes_per_s);
+    case Protocol::kXv11:
+      return make_xv11_decoder(model, bytes_per_s);
+    case Protocol::kYdlidar:
+      return make_ydlidar_decoder(model, bytes_per_s);
+    case Protocol::kCamsense:
+      return make_camsense_decoder(model, bytes_per_s);
+    case Protocol::kDelta2:
+      return make_delta2_decoder(model, bytes_per_s);
+    case Protocol::kHokuyo:
+      return make_hokuyo_decoder(model, bytes_per_s);
+    case Protocol::kSick:
+      return make_sick_decoder(model, bytes_per_s);
   }
   return nullptr;
 }

@@ -24,9 +24,9 @@ inline std::uint16_t u16_be_at(Bytes bytes, std::size_t at) {
 /// What stands at the front of the pending bytes.
 struct Cut {
   enum class What {
-    kWait,    ///< too little to tell
-    kSkip,    ///< bytes that belong to no packet
-    kBad,     ///< a packet that is wrong: only its first byte goes, a right one may begin within it
+    kWait,  ///< too little to tell
+    kSkip,  ///< bytes that belong to no packet
+    kBad,   ///< a packet that is wrong: only its first byte goes, a right one may begin within it
     kPacket,
   };
   What what = What::kWait;

@@ -1,9 +1,8 @@
 // YDLIDAR, triangulating and time-of-flight models, with or without intensity.
 // Source: YDLIDAR, "X4 development manual" and those of its other models; widths and scales: docs/live.md.
 //
-//   AA 55 | CT | LSN | u16 FSA | u16 LSA | u16 CS | LSN samples of 2 {range}, 3 {u8 signal, range} or 4 {u16, range} bytes
-//   AA 66 | XOR of the rest | u32 ms | 0        the sensor's clock
-//   A5 5A | answer to a request, as RPLIDAR's
+//   AA 55 | CT | LSN | u16 FSA | u16 LSA | u16 CS | LSN samples of 2 {range}, 3 {u8 signal, range} or 4 {u16, range}
+//   bytes AA 66 | XOR of the rest | u32 ms | 0        the sensor's clock A5 5A | answer to a request, as RPLIDAR's
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -86,9 +85,10 @@ class YdlidarDecoder final : public StreamDecoder {
     if (step * static_cast<double>(samples) > 0.5 * kPi) return false;
     if (step > 0.0) step_ = step;
     const double sample_s = 1.0 / model().samples_hz;
-    const double elapsed = known_ && step_ > 0.0 ? turned_on(last_start_, start) / step_ * sample_s : -1.0;
+    // Packets differ in length: from the last sample of one to that of the next.
+    const double elapsed = known_ && step_ > 0.0 ? turned_on(last_end_, end) / step_ * sample_s : -1.0;
     known_ = true;
-    last_start_ = start;
+    last_end_ = end;
     const Stamp sent = clock_.at(time.first, elapsed);
     for (std::size_t k = 0; k < samples; ++k) {
       Beam beam = read(packet, kHead + k * width_);
@@ -120,7 +120,7 @@ class YdlidarDecoder final : public StreamDecoder {
   std::size_t width_ = 0;  ///< of a sample, in bytes; 0: unknown
   int bad_in_a_row_ = 0;
   bool known_ = false;
-  double last_start_ = 0.0, step_ = 0.0;
+  double last_end_ = 0.0, step_ = 0.0;
 };
 
 }  // namespace

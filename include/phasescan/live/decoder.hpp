@@ -60,8 +60,8 @@ struct StreamCounts {
   std::uint64_t skipped = 0;  ///< bytes that belong to no packet
 };
 
-/// Finds packets in a stream, checks them, says what beams are in them. Resynchronises by itself; holds a bounded number
-/// of bytes; no beam of a packet whose check is wrong.
+/// Finds packets in a stream, checks them, says what beams are in them. Resynchronises by itself; holds a bounded
+/// number of bytes; no beam of a packet whose check is wrong.
 class Decoder {
  public:
   virtual ~Decoder() = default;
@@ -79,6 +79,8 @@ class Decoder {
 std::unique_ptr<Decoder> make_decoder(const SensorModel& model, double bytes_per_s);
 
 /// The line of a model: ten bits a byte.
-inline double bytes_per_second(const SensorModel& model) { return model.baud / 10.0; }
+inline double bytes_per_second(const SensorModel& model) {
+  return model.baud / 10.0;
+}
 
 }  // namespace phasescan::live

@@ -25,18 +25,18 @@ enum class AngleShift : std::uint8_t { kNone, kYdTriangle, kYdScl, kLd14 };
 
 /// One sensor, or several that differ in nothing that is seen here.
 struct SensorModel {
-  std::string_view name;     ///< as `--sensor` takes it
-  std::string_view title;    ///< as people call it
+  std::string_view name;   ///< as `--sensor` takes it
+  std::string_view title;  ///< as people call it
   Protocol protocol;
   int baud = 0;              ///< of its serial line, 8N1; 0: it has none, or any will do
   double range_min_m = 0.0;  ///< by its data sheet; 0: unknown
   double range_max_m = 0.0;
-  double turns_hz = 0.0;       ///< usual
-  double samples_hz = 0.0;     ///< usual, whole sensor
+  double turns_hz = 0.0;    ///< usual
+  double samples_hz = 0.0;  ///< usual, whole sensor
   AngleShift shift = AngleShift::kNone;
-  double mm_per_unit = 0.25;   ///< YDLIDAR: of a raw range whose two flag bits are cleared; 1: it has no flags
-  double zero_deg = 0.0;       ///< added to every direction; where makers and drivers disagree, or models differ
-  int tcp_port = 0;            ///< 0: it has no network
+  double mm_per_unit = 0.25;  ///< YDLIDAR: of a raw range whose two flag bits are cleared; 1: it has no flags
+  double zero_deg = 0.0;      ///< added to every direction; where makers and drivers disagree, or models differ
+  int tcp_port = 0;           ///< 0: it has no network
 };
 
 /// All of them, those of one protocol side by side, the usual one of each protocol and baud first.
