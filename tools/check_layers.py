@@ -25,6 +25,7 @@ slam         core scan match odometry graph map
 io           core scan
 live         core scan match odometry map slam io
 sim          core scan io
+emulate      core scan io live sim
 calibrate    core scan io sim
 config       core methods io match fft_icp slam
 output       core scan map match methods slam io
