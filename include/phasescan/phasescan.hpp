@@ -15,5 +15,6 @@
 #endif
 #if __has_include("phasescan/live/turns.hpp")
 #include "phasescan/live/decoder.hpp"  // IWYU pragma: export
+#include "phasescan/live/live.hpp"     // IWYU pragma: export
 #include "phasescan/live/turns.hpp"    // IWYU pragma: export
 #endif

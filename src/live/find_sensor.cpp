@@ -30,7 +30,8 @@ std::vector<Listener> listeners_at(int baud) {
   std::vector<Listener> all;
   for (const SensorModel& model : sensor_models()) {
     const auto same = [&](const Listener& other) { return other.model->protocol == model.protocol; };
-    if (model.baud != baud || std::any_of(all.begin(), all.end(), same)) continue;
+    const bool any_baud = model.protocol == Protocol::kHokuyo && baud == kBauds[0];  // by USB
+    if ((model.baud != baud && !any_baud) || std::any_of(all.begin(), all.end(), same)) continue;
     all.push_back({&model, make_decoder(model, bytes_per_second(model)), {}});
   }
   return all;

@@ -1,0 +1,47 @@
+// What `live` says where there is nothing to listen to.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "support/command.hpp"
+
+namespace phasescan {
+namespace {
+
+using test::CommandResult;
+using test::run_command;
+
+TEST(Live, NothingThereIsSaidInOneLine) {
+  ::setenv("PHASESCAN_PORTS", "", 1);
+  const CommandResult none = run_command({"live", "--port", "auto"});
+  ::unsetenv("PHASESCAN_PORTS");
+  EXPECT_EQ(none.code, 3);
+  EXPECT_EQ(std::count(none.err.begin(), none.err.end(), '\n'), 1) << none.err;
+  const CommandResult missing = run_command({"live", "--port", "/dev/ttyUSB77", "--sensor", "ld06"});
+  EXPECT_EQ(missing.code, 3);
+  EXPECT_THAT(missing.err, ::testing::HasSubstr("plugged in"));
+  EXPECT_EQ(run_command({"live"}).code, 2);
+}
+
+TEST(Live, TheListNamesEverySensor) {
+  const CommandResult list = run_command({"live", "--list"});
+  EXPECT_EQ(list.code, 0);
+  for (const char* name :
+       {"rplidar-a1", "ld06", "lds-01", "xv11", "ydlidar-x4", "camsense-x1", "delta-2b", "hokuyo", "sick-tim"})
+    EXPECT_THAT(list.out, ::testing::HasSubstr(name));
+}
+
+TEST(Live, ALogThatIsReplayedGivesALineAScan) {
+  const test::TempFolder folder;
+  const std::string log = folder / "drive.jsonl";
+  ASSERT_EQ(run_command({"simulate", "--world", "room", "--duration", "2", "--sensor", "ld06", "--out", log}).code, 0);
+  const CommandResult run = run_command({"live", "--replay", log, "--json"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_GE(std::count(run.out.begin(), run.out.end(), '\n'), 15);
+  EXPECT_THAT(run.out, ::testing::HasSubstr("latency_ms"));
+}
+
+}  // namespace
+}  // namespace phasescan
