@@ -2,7 +2,9 @@
 // texts that are kept by hand).
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
+#include "live/streams.hpp"
 #include "support/ros_fixture.hpp"
 
 namespace {
@@ -135,10 +137,33 @@ void write_match(const std::string& root) {
 
 }  // namespace
 
+namespace {
+
+/// Each form of each protocol: the model's number, the size of the pieces, and some packets.
+void write_live(const std::string& root) {
+  using namespace phasescan::live;
+  std::filesystem::create_directories(root + "/live");
+  for (const testing::Form& form : testing::forms()) {
+    std::size_t number = 0;
+    while (sensor_models()[number].name != form.sensor) ++number;
+    std::string bytes = {static_cast<char>(number), 60};
+    for (const std::uint8_t byte : testing::opening(form)) bytes += static_cast<char>(byte);
+    int packets = 0;
+    for (const WirePacket& packet : testing::packets_of(form, 3)) {
+      if (packets++ >= 4 && bytes.size() > 1500) break;
+      bytes.append(packet.bytes.begin(), packet.bytes.end());
+    }
+    std::ofstream(root + "/live/" + testing::name_of(form), std::ios::binary) << bytes;
+  }
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   const std::string root = argc > 1 ? argv[1] : "fuzz/corpus";
   write_recordings(root);
   write_texts(root);
   write_messages(root);
   write_match(root);
+  write_live(root);
 }
