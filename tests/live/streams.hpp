@@ -1,6 +1,7 @@
 // Whole turns of each protocol as bytes.
 #pragma once
 
+#include <ostream>
 #include <string>
 
 #include "live/packer.hpp"
@@ -91,6 +92,11 @@ inline std::vector<WirePacket> packets_of(const Form& form, int turns) {
     }
   }
   return packets;
+}
+
+/// Told instead of its bytes, which hold an address.
+inline void PrintTo(const Form& form, std::ostream* out) {
+  *out << form.sensor << " " << form.rplidar_type;
 }
 
 inline std::string name_of(const Form& form) {
