@@ -71,6 +71,7 @@ class Probe {
     };
     // RPLIDAR's and YDLIDAR's answers have the same head: what was asked decides who may have answered.
     if (asks) return answers(rplidar::kInfoAnswer);
+    if (listener.model->protocol == Protocol::kYdlidar && answers(rplidar::kInfoAnswer)) return true;
     if (listener.model->protocol == Protocol::kHokuyo) return !listener.decoded.replies.empty();
     const StreamCounts counts = listener.decoder->counts();
     return counts.packets >= kEnoughPackets && counts.packets > counts.bad;

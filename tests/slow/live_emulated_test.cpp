@@ -94,6 +94,13 @@ TEST(Emulated, TheSensorIsFoundByAsking) {
   EXPECT_LT(rms_error(got), 0.03);
 }
 
+TEST(Emulated, ASensorOfTheOtherFamilyThatAnswersAlikeIsFoundByAsking) {
+  const LiveRun got = run("ydlidar-x4", 6);
+  EXPECT_THAT(got.live.err, ::testing::HasSubstr("YDLIDAR X4"));
+  EXPECT_GT(got.lines.size(), 15U) << got.live.err;
+  EXPECT_LT(rms_error(got), 0.03);
+}
+
 TEST(Emulated, UnpluggedItGoesOnWhenItIsBack) {
   const TempFolder folder;
   const std::string name = folder / "lidar";
