@@ -59,9 +59,15 @@ OdometrySource OdometryJudge::source() const {
   return {usable, text};
 }
 
+OdometryJudge JudgedLog::judge() const {
+  OdometryJudge judge = judge_;
+  if (judge.with_both_ == 0) judge.usable_.reset();
+  return judge;
+}
+
 std::optional<LogEntry> JudgedLog::next() {
   while (!ended_ && (waiting_.empty() || judge_.is_open())) {
-    std::optional<LogEntry> entry = log_.next();
+    std::optional<LogEntry> entry = first_ ? std::exchange(first_, std::nullopt) : log_.next();
     if (!entry) {
       ended_ = true;
       judge_.finish(log_);
