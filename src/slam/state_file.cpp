@@ -41,11 +41,13 @@ SlamState read_run(const StateSections& file) {
   return SlamState(std::move(data));
 }
 
-double way_of(const GraphSessionState& session) {
+/// From keyframe to keyframe, but for breaks of tracking.
+double way_of(const SlamState::Data& data) {
+  const std::vector<SubmittedKeyframe>& keyframes = data.backend.session.submitted;
   double way = 0.0;
-  for (std::size_t k = 1; k < session.submitted.size(); ++k) {
-    const double step = translation_distance(session.submitted[k - 1].T_odom_base(), session.submitted[k].T_odom_base());
-    way += step;
+  for (std::size_t k = 1; k < keyframes.size(); ++k) {
+    if (!std::binary_search(data.ledger.breaks.begin(), data.ledger.breaks.end(), static_cast<std::int32_t>(k)))
+      way += translation_distance(keyframes[k - 1].T_odom_base(), keyframes[k].T_odom_base());
   }
   return way;
 }
@@ -68,8 +70,10 @@ std::string encode_state(const SavedRun& run) {
 SavedRun decode_state(std::string_view bytes) {
   return as_state_error([&] {
     const StateSections file = unpack_state(bytes);
-    SavedRun run{read_run(file), parse_options(file.at(kOptions)), {}};
+    SavedRun run{read_run(file), parse_options(file.at(kOptions))};
+    run.version = file.version;
     for (const StateSection& section : file.sections) {
+      run.sections.push_back({section.name, section.packed_bytes, section.content.size()});
       if (section.name.starts_with(kNotePrefix)) run.notes[section.name.substr(1)] = section.content;
     }
     check_options(run.state.data(), run.options);
@@ -93,36 +97,29 @@ bool is_saved_state(std::string_view first_bytes) {
   return looks_like_state(first_bytes);
 }
 
-StateSummary summarize_state(std::string_view bytes) {
-  return as_state_error([&] {
-    const StateSections file = unpack_state(bytes);
-    const SlamState state = read_run(file);
-    const SlamState::Data& data = state.data();
-    const GraphSessionState& session = data.backend.session;
-    StateSummary out;
-    out.version = file.version;
-    out.scans = data.ledger.records.size();
-    out.keyframes = static_cast<std::size_t>(data.ledger.keyframes);
-    out.nodes = session.keyframes.size();
-    for (const PoseEdge& e : session.graph.edges()) out.loops += e.robust && e.enabled;
-    out.places = data.backend.places.index.size();
-    out.sessions = 1 + static_cast<int>(data.ledger.sessions.size());
-    Connectivity connectivity;
-    connectivity.rebuild(session.keyframes, session.graph);
-    out.pieces = connectivity.pieces().count;
-    if (out.scans > 0) {
-      out.first_stamp = data.ledger.records.front().stamp;
-      out.last_stamp = data.ledger.records.back().stamp;
-    }
-    out.path_length_m = way_of(session);
-    out.bounded_memory = parse_options(file.at(kOptions)).slam.bounded_memory;
-    std::set<std::string> lasers;
-    for (const Keyframe& keyframe : session.keyframes) lasers.insert(keyframe.laser);
-    for (const auto& [laser, input] : data.input.lasers) lasers.insert(laser);
-    out.lasers.assign(lasers.begin(), lasers.end());
-    for (const StateSection& s : file.sections) out.sections.push_back({s.name, s.packed_bytes, s.content.size()});
-    return out;
-  });
+StateSummary summarize(const SlamState& state) {
+  const SlamState::Data& data = state.data();
+  const GraphSessionState& session = data.backend.session;
+  StateSummary out;
+  out.scans = data.ledger.records.size();
+  out.keyframes = static_cast<std::size_t>(data.ledger.keyframes);
+  out.nodes = session.keyframes.size();
+  for (const PoseEdge& e : session.graph.edges()) out.loops += e.robust && e.enabled;
+  out.places = data.backend.places.index.size();
+  out.drives = 1 + static_cast<int>(data.ledger.sessions.size());
+  Connectivity connectivity;
+  connectivity.rebuild(session.keyframes, session.graph);
+  out.pieces = connectivity.pieces().count;
+  if (out.scans > 0) {
+    out.first_stamp = data.ledger.records.front().stamp;
+    out.last_stamp = data.ledger.records.back().stamp;
+  }
+  out.path_length_m = way_of(data);
+  std::set<std::string> lasers;
+  for (const Keyframe& keyframe : session.keyframes) lasers.insert(keyframe.laser);
+  for (const auto& [laser, input] : data.input.lasers) lasers.insert(laser);
+  out.lasers.assign(lasers.begin(), lasers.end());
+  return out;
 }
 
 }  // namespace phasescan

@@ -21,11 +21,20 @@ class StateError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A part of a file.
+struct StateFileSection {
+  std::string name;
+  std::size_t bytes = 0, unpacked_bytes = 0;
+};
+
 /// A run with the options that it was made with, and what the caller keeps beside it.
 struct SavedRun {
   SlamState state;
   SlamOptions options;
-  std::map<std::string, std::string> notes;  ///< by name, of at most 16 letters: bytes that are the caller's own
+  std::map<std::string, std::string> notes = {};  ///< by name, of at most 15 letters: bytes that are the caller's own
+  // Of the file that it was read from:
+  std::uint32_t version = 0;
+  std::vector<StateFileSection> sections = {};
 };
 
 /// Bytes of a file. @cost about 60 ms for 10,000 scans
@@ -43,22 +52,14 @@ bool is_saved_state(std::string_view first_bytes);
 
 /// What a saved run holds.
 struct StateSummary {
-  std::uint32_t version = 0;  ///< of the file
   std::size_t scans = 0, keyframes = 0, nodes = 0, loops = 0, places = 0;
-  int sessions = 0;  ///< drives
-  int pieces = 0;    ///< that nothing ties
+  int drives = 0;
+  int pieces = 0;  ///< that nothing ties
   Stamp first_stamp = 0, last_stamp = 0;
   double path_length_m = 0.0;  ///< from keyframe to keyframe
-  bool bounded_memory = false;
   std::vector<std::string> lasers;
-  struct Section {
-    std::string name;
-    std::size_t bytes = 0, unpacked_bytes = 0;
-  };
-  std::vector<Section> sections;
 };
-/// @throws StateError
-StateSummary summarize_state(std::string_view bytes);
+StateSummary summarize(const SlamState& state);
 
 /// Options that differ between two runs and matter for going on: "odometry.cell_m 0.1, was 0.05".
 struct OptionDifferences {
