@@ -71,8 +71,7 @@ void note_end(double cpu, double wall, SlamRun& run) {
 }
 
 /// Warnings of a finished run, and its exit code.
-int report_run(const std::vector<OpenLog>& logs, const SlamResult& result, const SlamFlags& flags,
-               const SlamRun& run) {
+int report_run(const std::vector<OpenLog>& logs, const SlamResult& result, const SlamFlags& flags, const SlamRun& run) {
   bool damaged = false;
   for (const auto& [kind, oddity] : result.oddities) {
     damaged |= oddity.damage;
@@ -256,9 +255,10 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
   command->add_option("--save", flags->save, "keep the run as it is before its last pass, to go on from")
       ->type_name("STATE")
       ->check(not_empty());
-  auto* resume = command->add_option("--resume", flags->resume, "go on from a saved run: the log goes on where it ended")
-                     ->type_name("STATE")
-                     ->check(not_empty());
+  auto* resume =
+      command->add_option("--resume", flags->resume, "go on from a saved run: the log goes on where it ended")
+          ->type_name("STATE")
+          ->check(not_empty());
   command->add_option("--extend", flags->extend, "add another drive to a saved run, tied to it with no guess")
       ->type_name("STATE")
       ->check(not_empty())

@@ -36,7 +36,8 @@ Json json_of(const std::string& path, const StateSummary& s, const LoadedRun& lo
   const OptionDifferences changed = compare_options(loaded.saved.options, {});
   for (const auto* names : {&changed.fatal, &changed.harmless}) {
     for (const std::string& option : *names)
-      options[option.substr(0, option.find(' '))] = option.substr(option.find(' ') + 1, option.find(',') - option.find(' ') - 1);
+      options[option.substr(0, option.find(' '))] =
+          option.substr(option.find(' ') + 1, option.find(',') - option.find(' ') - 1);
   }
   return {{"file", path},
           {"format", "saved state"},
@@ -75,8 +76,8 @@ int info_of_state(const std::string& path, bool json) {
   }
   for (const std::string& laser : summary.lasers) print(fmt::format("{:<24} {}\n", "laser", laser));
   for (const Json& input : all["inputs"])
-    print(fmt::format("{:<24} {}, {} scans, drive {}\n", "log", input["log"].get<std::string>(),
-                      input["scans"].dump(), input["drive"].dump()));
+    print(fmt::format("{:<24} {}, {} scans, drive {}\n", "log", input["log"].get<std::string>(), input["scans"].dump(),
+                      input["drive"].dump()));
   for (const auto& [name, value] : all["options_changed"].items())
     print(fmt::format("{:<24} {} {}\n", "option", name, value.get<std::string>()));
   for (const StateFileSection& s : loaded.saved.sections)

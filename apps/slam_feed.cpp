@@ -112,9 +112,10 @@ bool SlamFeed::pass_over(JudgedLog& log, LogReader& reader, const SlamInput& inp
       ended = true;
     } else if (passed < known) {
       if (++passed == known && print_of(entry->scan) != input.last_print) {
-        throw InputError(input.log, entry->line,
-                         "begins like the log of the saved run, but is another one from here on; expected the same log, "
-                         "or one that follows it");
+        throw InputError(
+            input.log, entry->line,
+            "begins like the log of the saved run, but is another one from here on; expected the same log, "
+            "or one that follows it");
       }
       if (recording_ != nullptr) recording_->add(*entry);
     } else {

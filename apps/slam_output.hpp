@@ -14,9 +14,9 @@ namespace phasescan::app {
 
 /// One log of a run, or a part of one that was stopped.
 struct SlamInput {
-  std::string log;                         ///< as it was named
-  std::int64_t first_scan = 0, scans = 0;  ///< of the run
-  std::int32_t session = 0;                ///< which drive it belongs to
+  std::string log;                                ///< as it was named
+  std::int64_t first_scan = 0, scans = 0;         ///< of the run
+  std::int32_t session = 0;                       ///< which drive it belongs to
   std::uint64_t first_print = 0, last_print = 0;  ///< of its first and its last scan, by which it is known again
   std::vector<std::int64_t> lines;                ///< of its scans
   std::map<std::string, std::size_t> damages;     ///< of the reader, by kind

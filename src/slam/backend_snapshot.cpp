@@ -13,7 +13,7 @@ constexpr double kLeverM = 5.0;  // what a turn moves: walls so far from the las
 }  // namespace
 
 SnapshotNode node_of(const Keyframe& keyframe) {
-  return {keyframe.stored,       keyframe.own_scan,     keyframe.scan,
+  return {keyframe.stored,      keyframe.own_scan,     keyframe.scan,
           keyframe.T_mid_stamp, keyframe.T_base_laser, keyframe.twist};
 }
 

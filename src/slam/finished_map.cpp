@@ -51,8 +51,7 @@ void draw_result(const Backend& backend, const std::vector<Pose2>& poses, bool r
   }
   const auto placed = [&](std::size_t k) {
     const Keyframe& keyframe = backend.keyframes()[drawn[k]];
-    const Pose2 T_map_stamp =
-        refined ? poses[static_cast<std::size_t>(keyframe.scan)]
+    const Pose2 T_map_stamp = refined ? poses[static_cast<std::size_t>(keyframe.scan)]
                                       : T_drawn_map * backend.poses()[drawn[k]] * keyframe.T_mid_stamp;
     return place_keyframe(keyframe, T_map_stamp, options.odometry.deskew);
   };

@@ -75,7 +75,8 @@ SlamOptions parse_options(std::string_view text) {
   std::map<std::string, std::string> texts;
   while (!text.empty()) {
     const std::size_t end = text.find('\n'), equals = text.find('=');
-    if (end == std::string_view::npos || equals >= end) throw StateFormatError("is damaged: its options are no options");
+    if (end == std::string_view::npos || equals >= end)
+      throw StateFormatError("is damaged: its options are no options");
     texts[std::string(text.substr(0, equals))] = text.substr(equals + 1, end - equals - 1);
     text.remove_prefix(end + 1);
   }

@@ -16,7 +16,8 @@ bool Slam::Impl::look_for_body(const RangeMeasurement& measurement, bool repeate
   OwnBodyState& body = state.bodies[measurement.laser];
   if (body.decided && state.beginning.empty()) return false;
   const ScanId scan = next_scan();
-  if (state.beginning.size() == static_cast<std::size_t>(scan - session_begin()) && state.beginning.size() < kMostHeld) {
+  if (state.beginning.size() == static_cast<std::size_t>(scan - session_begin()) &&
+      state.beginning.size() < kMostHeld) {
     state.beginning.push_back({measurement, repeated});
     state.beginning.back().measurement.scan.intensities.clear();
   } else {

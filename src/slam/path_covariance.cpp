@@ -37,8 +37,8 @@ Eigen::Matrix3d step_covariance(const Keyframe& to, bool new_session) {
 void PathCovariance::hang(const PoseEdge& edge, const GraphSession& session) {
   const Keyframe& to = session.keyframes()[static_cast<std::size_t>(edge.to)];
   const Node& parent = node(edge.from);
-  const Eigen::Matrix3d covariance = edge.robust ? Eigen::Matrix3d(edge.information.inverse())
-                                                 : step_covariance(to, session.crosses_sessions(edge));
+  const Eigen::Matrix3d covariance =
+      edge.robust ? Eigen::Matrix3d(edge.information.inverse()) : step_covariance(to, session.crosses_sessions(edge));
   const double length = parent.length + covariance(0, 0) + covariance(1, 1) + kLeverM * kLeverM * covariance(2, 2);
   Node& n = nodes_[static_cast<std::size_t>(edge.to)];
   if (n.parent >= 0 && length >= n.length) return;

@@ -54,9 +54,9 @@ struct ScanLedger {
   static constexpr int kVersion = 1;
   std::vector<ScanRecord> records;
   std::vector<PackedCovariance>
-      covariances;                   ///< of each scan's pose as it was known then; empty in bounded-memory mode
-  std::vector<std::int32_t> breaks;  ///< keyframes at which a new local map was begun
-  std::int32_t keyframes = 0;        ///< so far
+      covariances;                     ///< of each scan's pose as it was known then; empty in bounded-memory mode
+  std::vector<std::int32_t> breaks;    ///< keyframes at which a new local map was begun
+  std::int32_t keyframes = 0;          ///< so far
   std::vector<std::int64_t> sessions;  ///< the first scan of each session but the first
 
   /// The drive that a scan is of, from 0.

@@ -153,7 +153,8 @@ inline const char* state_problem(const PlaceIndex& index) {
   return index.is_sound() ? nullptr : "descriptors of places that are not of one number";
 }
 inline const char* state_problem(const Loop& loop) {
-  return is_positive_definite(loop.information) && is_near(loop.T_from_to) ? nullptr : "a loop of which nothing is known";
+  return is_positive_definite(loop.information) && is_near(loop.T_from_to) ? nullptr
+                                                                           : "a loop of which nothing is known";
 }
 
 }  // namespace phasescan

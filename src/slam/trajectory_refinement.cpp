@@ -22,8 +22,8 @@ constexpr double kGateM = 0.2;                             // [m] distance at wh
 /// listed last to first; zero where the times between them tell nothing. Messages that repeat another are no scans of
 /// their own, and neither are scans that were left out.
 /// @param before  the last scan that was neither
-Twist2 turn_twist(const ScanLedger& ledger, std::span<const Pose2> guess, std::size_t scan,
-                  std::size_t before, double time_increment, const ScanTiming& timing) {
+Twist2 turn_twist(const ScanLedger& ledger, std::span<const Pose2> guess, std::size_t scan, std::size_t before,
+                  double time_increment, const ScanTiming& timing) {
   const std::vector<ScanRecord>& records = ledger.records;
   std::size_t from = scan, to = scan;
   if (time_increment < 0.0) {

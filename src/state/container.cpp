@@ -149,8 +149,7 @@ StateSections unpack_state(std::string_view bytes) {
     at += stored.size();
   }
   if (at != bytes.size()) {
-    throw StateFormatError("is damaged: " + std::to_string(bytes.size() - at) +
-                           " bytes follow its end; expected none");
+    throw StateFormatError("is damaged: " + std::to_string(bytes.size() - at) + " bytes follow its end; expected none");
   }
   return out;
 }

@@ -11,8 +11,8 @@ namespace phasescan {
 inline constexpr std::uint32_t kStateFileVersion = 1;  ///< written; files of this one and all before are read
 
 struct StateSection {
-  std::string name;     ///< at most 16 letters
-  std::string content;  ///< unpacked
+  std::string name;              ///< at most 16 letters
+  std::string content;           ///< unpacked
   std::size_t packed_bytes = 0;  ///< in the file; filled in by unpack_state
 };
 
