@@ -178,7 +178,7 @@ int run_slam(const SlamFlags& flags) {
   if (flags.common.threads > 1) executor.emplace();
   Slam slam(config.slam, Schedule::kDeterministic, executor ? &*executor : nullptr);
   const InterruptGuard guard;  // until the results are in place: what was finished is not lost
-  JudgedLog log(*reader);
+  JudgedLog log(*reader, true);
   feed(log, *reader, slam, recording ? &*recording : nullptr, flags, run);
   note_odometry(log.source(), flags, run);
   if (slam.scans() == 0) {

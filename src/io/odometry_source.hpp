@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "io/odometry_samples.hpp"
 #include "phasescan/io/log.hpp"
 
 namespace phasescan {
@@ -49,8 +50,8 @@ class OdometryJudge {
 /// kind: at most OdometryJudge::kFirstScans, and only of logs with corrected poses.
 class JudgedLog {
  public:
-  /// `log` must outlive it.
-  explicit JudgedLog(LogReader& log) : log_(log) {}
+  /// Scans between two with odometry get what lies between, if `interpolates`. `log` must outlive it.
+  explicit JudgedLog(LogReader& log, bool interpolates = false) : log_(log), interpolates_(interpolates) {}
 
   /// As LogReader::next.
   std::optional<LogEntry> next();
@@ -58,10 +59,14 @@ class JudgedLog {
   OdometrySource source() const { return judge_.source(); }
 
  private:
+  std::optional<LogEntry> next_judged();
+
   LogReader& log_;
+  bool interpolates_;
   OdometryJudge judge_;
   std::deque<LogEntry> waiting_;
   bool ended_ = false;
+  OdometryQueue between_{OdometryQueue::Outside::kNone};
 };
 
 }  // namespace phasescan
