@@ -33,7 +33,7 @@ async function desktop(url) {
   const box = await (await at.$("#viewer")).boundingBox(), x = box.x + box.width / 2, y = box.y + box.height / 2;
   const fit = await picture(at);
   const share = (colour) => fit.filter((v) => v === colour).length / fit.length;
-  check("the map has free space and walls", share(0xffffff) > 0.03 && share(0) > 0.002);
+  check("the map has free space and walls", share(0xfefefe) > 0.03 && share(0) > 0.002);
 
   await at.mouse.move(x, y);
   await at.mouse.wheel({ deltaY: -400 });
