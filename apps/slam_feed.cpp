@@ -80,7 +80,7 @@ bool SlamFeed::read(LogReader& reader, const std::string& log) {
     cursor_ = known + 1;
     ++logs_;
     if (cursor_ < run_.inputs.size()) return true;  // the run went on with another log after it
-    JudgedLog judged(reader, {}, std::move(first));
+    JudgedLog judged(reader, true, {}, std::move(first));
     return pass_over(judged, reader, run_.inputs[known]);
   }
   const bool on = goes_on(*first);
@@ -94,7 +94,7 @@ bool SlamFeed::read(LogReader& reader, const std::string& log) {
   input.first_print = print_of(first->scan);
   if (run_.inputs.empty()) run_.log = log, run_.format = reader.format();
   run_.inputs.push_back(std::move(input));
-  JudgedLog judged(reader, on ? run_.judge : OdometryJudge{}, std::move(first));
+  JudgedLog judged(reader, true, on ? run_.judge : OdometryJudge{}, std::move(first));
   return pass_over(judged, reader, run_.inputs.back());
 }
 

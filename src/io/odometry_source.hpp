@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "io/odometry_samples.hpp"
 #include "phasescan/io/log.hpp"
 
 namespace phasescan {
@@ -64,10 +65,11 @@ class OdometryJudge {
 /// kind: at most OdometryJudge::kFirstScans, and only of logs with corrected poses.
 class JudgedLog {
  public:
-  /// `log` must outlive it. @param judge  of the log that this one goes on with  @param first  an entry that was read
-  /// already
-  explicit JudgedLog(LogReader& log, OdometryJudge judge = {}, std::optional<LogEntry> first = std::nullopt)
-      : log_(log), judge_(std::move(judge)), first_(std::move(first)) {}
+  /// Scans between two with odometry get what lies between, if `interpolates`. `log` must outlive it.
+  /// @param judge  of the log that this one goes on with  @param first  an entry that was read already
+  explicit JudgedLog(LogReader& log, bool interpolates = false, OdometryJudge judge = {},
+                     std::optional<LogEntry> first = std::nullopt)
+      : log_(log), interpolates_(interpolates), judge_(std::move(judge)), first_(std::move(first)) {}
 
   /// As LogReader::next.
   std::optional<LogEntry> next();
@@ -77,11 +79,15 @@ class JudgedLog {
   OdometryJudge judge() const;
 
  private:
+  std::optional<LogEntry> next_judged();
+
   LogReader& log_;
+  bool interpolates_;
   OdometryJudge judge_;
   std::optional<LogEntry> first_;
   std::deque<LogEntry> waiting_;
   bool ended_ = false;
+  OdometryQueue between_{OdometryQueue::Outside::kNone};
 };
 
 }  // namespace phasescan
