@@ -9,7 +9,9 @@
 #include "eval/log_doctor.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/log_summary.hpp"
+#include "info_state.hpp"
 #include "io/odometry_source.hpp"
+#include "saved_run.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -77,6 +79,7 @@ void print_json(const LogReport& report) {
 }
 
 int run_info(const InfoFlags& flags) {
+  if (is_state_file(flags.log)) return info_of_state(flags.log, flags.json);
   const auto reader = open_log(flags.log, flags.options);
   LogSummary summary;
   LogDoctor doctor;
@@ -107,9 +110,9 @@ int run_info(const InfoFlags& flags) {
 }  // namespace
 
 void add_info_command(CLI::App& app, CommandBody& body) {
-  auto* command = app.add_subcommand("info", "what a log holds and what is wrong with it");
+  auto* command = app.add_subcommand("info", "what a log holds and what is wrong with it; what a saved run holds");
   auto flags = std::make_shared<InfoFlags>();
-  command->add_option("LOG", flags->log, "a log of any readable format")->required();
+  command->add_option("LOG", flags->log, "a log of any readable format, or a state that slam saved")->required();
   add_log_flags(*command, flags->options);
   add_to_flag(*command, flags->options);
   command->add_flag("--no-doctor", flags->no_doctor, "only what the log holds: no look for what is wrong with it");

@@ -1,10 +1,11 @@
-// phasescan slam LOG --out DIR: a trajectory and a map from a log.
+// phasescan slam LOG... --out DIR: a trajectory and a map from logs.
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "command_list.hpp"
 #include "commands.hpp"
@@ -13,8 +14,9 @@
 #include "io/file.hpp"
 #include "people.hpp"
 #include "phasescan/io/log.hpp"
-#include "io/odometry_source.hpp"
+#include "saved_run.hpp"
 #include "slam_ending.hpp"
+#include "slam_feed.hpp"
 #include "slam_mcap.hpp"
 #include "slam_output.hpp"
 
@@ -23,72 +25,22 @@ namespace {
 
 struct SlamFlags {
   CommonFlags common;
-  std::string log, out, odometry = "auto", mcap;
+  std::vector<std::string> logs;
+  std::string out, odometry = "auto", mcap, save, resume, extend;
   LogOptions options;
   int beam_step = 1;
+
+  /// The state that is gone on from; empty: none.
+  const std::string& from() const { return resume.empty() ? extend : resume; }
+};
+
+struct OpenLog {
+  std::string name;
+  std::unique_ptr<LogReader> reader;
 };
 
 double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-/// Keeps where each kind of oddity was first seen.
-class FirstSeen final : public SlamObserver {
- public:
-  FirstSeen(const std::string& log, std::map<std::string, std::string>& out) : log_(log), out_(out) {}
-  /// Of the next scan.
-  void add_line(long line) { lines_.push_back(line); }
-  void on_warning(ScanId scan, const std::string& kind, const std::string& what, bool) override {
-    out_.emplace(kind, log_ + ":" + std::to_string(lines_.at(static_cast<std::size_t>(scan))) + ": " + what);
-  }
-
- private:
-  const std::string& log_;
-  std::map<std::string, std::string>& out_;
-  std::vector<long> lines_;  // of each scan
-};
-
-void count(const ScanUpdate& update, bool usable, SlamRun& run) {
-  const TrackingDiagnostics& d = update.diagnostics;
-  if (update.repeated) {
-    run.overlap.push_back(run.overlap.empty() ? 0.0F : run.overlap.back());
-    return;
-  }
-  run.overlap.push_back(static_cast<float>(d.overlap));
-  run.tracked += is_tracked(update.status);
-  run.searched += d.wide_search;
-  run.caught += d.full_search;
-  run.new_segments += d.new_segment;
-  run.usable += usable;
-}
-
-/// Reads to the end of the log or until the user stops it.
-void feed(JudgedLog& log, const LogReader& reader, Slam& slam, SlamRecording* recording, const SlamFlags& flags,
-          SlamRun& run) {
-  Progress progress("slam", reader);
-  FirstSeen first_seen(flags.log, run.first_seen);
-  slam.set_observer(&first_seen);
-  while (!InterruptGuard::interrupted()) {
-    std::optional<LogEntry> entry = log.next();
-    if (!entry) return slam.set_observer(nullptr);
-    if (slam.scans() == 0) run.T_base_laser = entry->T_base_laser, run.flipped = entry->flipped;
-    if (flags.beam_step > 1) entry->scan = reduce_scan(entry->scan, 0.0, flags.beam_step);
-    if (recording != nullptr) recording->add(*entry);
-    first_seen.add_line(entry->line);
-    RangeMeasurement measurement = to_measurement(std::move(*entry));
-    if (!run.odometry_used) measurement.T_odom_base.reset();
-    const double cpu = thread_cpu_seconds(), wall = wall_seconds();
-    const ScanUpdate update = slam.add(measurement);
-    const double spent = thread_cpu_seconds() - cpu;
-    run.shown.add(slam.scans() - 1, measurement.scan, measurement.T_base_laser);
-    count(update, measurement.scan.hit_count() > 0, run);
-    run.cpu_ms.push_back(static_cast<float>(1e3 * spent));
-    run.tracking_ms.push_back(static_cast<float>(1e3 * (spent - slam.last_backend_cpu_s())));
-    run.wall_ms.push_back(static_cast<float>(1e3 * (wall_seconds() - wall)));
-    progress.step(slam.scans());
-  }
-  slam.set_observer(nullptr);
-  run.complete = false;
 }
 
 /// Sections of the configuration that this command has no use for: said, not passed over.
@@ -101,111 +53,196 @@ void warn_of_unread_sections(const Config& config, const std::string& file) {
 }
 
 /// What was assumed of the log's odometry, once it is read.
-void note_odometry(const OdometrySource& source, const SlamFlags& flags, SlamRun& run) {
-  run.odometry_assumed = flags.odometry == "none"              ? "not used, as asked for"
-                         : source.usable && !run.odometry_used ? "not used: odometry.use_wheels is false"
-                                                               : source.assumed;
-  run.odometry_used = run.odometry_used && source.usable;
+void note_odometry(const SlamFlags& flags, const SlamOptions& options, SlamRun& run) {
+  const bool asked = flags.odometry != "none" && options.odometry.use_wheels;
+  run.odometry_assumed = flags.odometry == "none"      ? "not used, as asked for"
+                         : run.source.usable && !asked ? "not used: odometry.use_wheels is false"
+                                                       : run.source.assumed;
+  run.odometry_used = asked && run.source.usable;
 }
 
-/// The run's time and the reader's damage, once all is done.
-void note_end(const LogReader& reader, double cpu, double wall, SlamRun& run) {
+/// The run's time and its readers' damage, once all is done.
+void note_end(double cpu, double wall, SlamRun& run) {
   run.total_cpu_s = process_cpu_seconds() - cpu;
   run.total_wall_s = wall_seconds() - wall;
-  for (const LogDamage& damage : reader.damages()) ++run.damages[damage.kind];
-  if (reader.damage_count() > reader.damages().size())
-    run.damages["further damage"] = reader.damage_count() - reader.damages().size();
+  for (const SlamInput& input : run.inputs) {
+    for (const auto& [kind, count] : input.damages) run.damages[kind] += count;
+  }
 }
 
 /// Warnings of a finished run, and its exit code.
-int report_run(const LogReader& reader, const SlamResult& result, const SlamFlags& flags, const SlamRun& run) {
+int report_run(const std::vector<OpenLog>& logs, const SlamResult& result, const SlamFlags& flags, const SlamRun& run) {
   bool damaged = false;
   for (const auto& [kind, oddity] : result.oddities) {
     damaged |= oddity.damage;
     const std::string times = " (" + std::to_string(oddity.count) + " times: " + kind + ")";
-    warn(run.first_seen.at(kind) + (oddity.count > 1 ? times : ""));
+    const auto first = run.first_seen.find(kind);
+    warn((first == run.first_seen.end() ? run.log + ": " + oddity.what : first->second) +
+         (oddity.count > 1 ? times : ""));
   }
-  if (const std::size_t left_out = result.scans_off_the_map(); left_out > 0) {
-    warn(flags.log + ": the map is in " + std::to_string(result.pieces) + " pieces that nothing ties; " +
+  if (!result.parts.empty()) {
+    // Of kind "pieces" among the reasons of a verdict.
+    warn(run.log + ": nothing ties all drives to each other; they are in " + std::to_string(result.parts.size()) +
+         " parts, " + flags.out + "/1 to " + flags.out + "/" + std::to_string(result.parts.size()));
+  } else if (const std::size_t left_out = result.scans_off_the_map(); left_out > 0) {
+    warn(run.log + ": the map is in " + std::to_string(result.pieces) + " pieces that nothing ties; " +
          std::to_string(left_out) + " scans are not on it");
   }
   if (!result.deskewed && run.deskew_asked) {
-    warn(flags.log +
+    warn(run.log +
          ": turns show that the beams of a scan are of one time, whatever time_increment says; motion is not "
          "taken out of the scans");
   }
-  report_remarks(reader, flags.log);
-  const int code = report_damages(reader, damaged ? kDamagedInput : kDone);
+  int code = damaged || !run.damages.empty() ? kDamagedInput : kDone;
+  for (const OpenLog& log : logs) {
+    report_remarks(*log.reader, log.name);
+    code = report_damages(*log.reader, code);
+  }
   if (!result.keyframes.empty()) return code;
-  std::fprintf(stderr, "phasescan: %s: not one scan with enough returns to match\n", flags.log.c_str());
+  std::fprintf(stderr, "phasescan: %s: not one scan with enough returns to match\n", run.log.c_str());
   return kAnswerIsNo;
 }
 
-/// A recording in the place of the log, or of one of the results, would destroy it.
-void refuse_mcap_in_the_way(const SlamFlags& flags) {
+/// A file in the place of a log, or of one of the results, would destroy it.
+void refuse_in_the_way(const std::string& flag, const std::string& file, const SlamFlags& flags) {
   namespace fs = std::filesystem;
-  if (flags.mcap.empty()) return;
+  if (file.empty()) return;
   std::error_code ignored;
-  if (fs::equivalent(flags.mcap, flags.log, ignored))
-    throw std::invalid_argument("--mcap: " + quote_text(flags.mcap) + " is the log itself; expected another file");
-  const fs::path mcap(flags.mcap);
-  const fs::path folder = fs::weakly_canonical(mcap.has_parent_path() ? mcap.parent_path() : ".", ignored);
+  for (const std::string& log : flags.logs) {
+    if (fs::equivalent(file, log, ignored))
+      throw std::invalid_argument(flag + ": " + quote_text(file) + " is the log itself; expected another file");
+  }
+  const fs::path path(file);
+  const fs::path folder = fs::weakly_canonical(path.has_parent_path() ? path.parent_path() : ".", ignored);
   if (folder != fs::weakly_canonical(flags.out, ignored)) return;
   for (const char* name : {"trajectory.tum", "scans.jsonl", "graph.g2o", "map.pgm", "map.yaml", "map.png",
                            "report.html", "timing.json", "summary.json"}) {
-    if (mcap.filename() == name)
-      throw std::invalid_argument("--mcap: " + quote_text(flags.mcap) + " is a file of --out; expected another name");
+    if (path.filename() == name)
+      throw std::invalid_argument(flag + ": " + quote_text(file) + " is a file of --out; expected another name");
   }
+}
+
+/// What cuts the scans down: a run that goes on should read as it did before.
+std::string reading_of(const SlamFlags& flags) {
+  std::ostringstream text;
+  text << "--odometry " << flags.odometry << " --beam-step " << flags.beam_step << " --range-min "
+       << flags.options.range_min << " --range-max " << flags.options.range_max;
+  for (const Sector& mask : flags.options.masks)
+    text << " --mask " << rad_to_deg(mask.from) << ":" << rad_to_deg(mask.to);
+  return text.str();
+}
+
+/// The options of a run that goes on: its own, where none are given. @throws InputError where it cannot go on with
+/// these
+SlamOptions options_from(const SlamFlags& flags, const Config& config, const SavedRun& saved) {
+  if (flags.common.config.empty()) return saved.options;
+  const OptionDifferences differences = compare_options(config.slam, saved.options);
+  const auto list = [](const std::vector<std::string>& items) {
+    std::string text;
+    for (const std::string& item : items) text += (text.empty() ? "" : "; ") + item;
+    return text;
+  };
+  if (!differences.fatal.empty()) {
+    throw InputError(flags.common.config, 0,
+                     "has options that the state cannot go on with: " + list(differences.fatal) +
+                         "; expected those it was made with");
+  }
+  if (!differences.harmless.empty())
+    warn(flags.common.config + ": options are others than the state was made with: " + list(differences.harmless));
+  return config.slam;
+}
+
+/// A run that is loaded, or a new one.
+struct Begun {
+  SlamOptions options;
+  std::optional<SavedRun> saved;
+  SlamRun run;
+};
+
+Begun begin(const SlamFlags& flags, const Config& config) {
+  Begun begun{config.slam, std::nullopt, {}};
+  if (!flags.from().empty()) {
+    LoadedRun loaded = load_run(flags.from());
+    begun.options = options_from(flags, config, loaded.saved);
+    begun.saved = std::move(loaded.saved);
+    begun.run = std::move(loaded.run);
+    if (flags.extend.empty() && begun.run.reading != reading_of(flags))
+      warn(flags.from() + ": the saved run was read with " + begun.run.reading + ", and goes on with " +
+           reading_of(flags));
+  }
+  begun.run.reading = reading_of(flags);
+  begun.run.times = !flags.common.no_times;
+  begun.run.deskew_asked = begun.options.odometry.deskew;
+  begun.run.glass_blocks = begun.options.glass.block;
+  return begun;
+}
+
+int fail_without_scans(const std::vector<OpenLog>& logs, const SlamFlags& flags) {
+  if (InterruptGuard::interrupted()) return stopped_with_nothing();
+  const OpenLog& log = logs.front();
+  if (log.reader->damage_count() > 0) return fail_unreadable(*log.reader, log.name);
+  const bool older = std::filesystem::exists(flags.out + "/summary.json");
+  return fail_no_scan(*log.reader, log.name, older ? "; " + flags.out + " holds the results of an earlier run" : "");
+}
+
+/// Last loops, the finished map, all files.
+int finish(Slam& slam, const std::vector<OpenLog>& logs, const SlamFlags& flags, SlamRecording* recording, double cpu,
+           double wall, SlamRun& run) {
+  note_odometry(flags, slam.options(), run);
+  if (!run.complete) warn("stopped after " + std::to_string(slam.scans()) + " scans; the results are of these");
+  const SlamResult result = slam.finish();
+  if (run.complete && InterruptGuard::interrupted())
+    warn("asked to stop after the last scan; the results are of the whole log");
+  note_end(cpu, wall, run);
+  FileSet files = slam_output(flags.out, result, run);
+  if (recording != nullptr) recording->finish(result);
+  write_parts(flags.out, result, run);
+  files.commit();
+  const int code = report_run(logs, result, flags, run);
+  print_ending(slam_ending(result, run, flags.out));
+  return code;
 }
 
 int run_slam(const SlamFlags& flags) {
   const double cpu = process_cpu_seconds(), wall = wall_seconds();
   const Config config = config_from(flags.common);
   warn_of_unread_sections(config, flags.common.config);
-  SlamRun run;
-  run.log = flags.log;
-  run.times = !flags.common.no_times;
-  run.deskew_asked = config.slam.odometry.deskew;
-  run.glass_blocks = config.slam.glass.block;
-  const std::unique_ptr<LogReader> reader = open_log(flags.log, flags.options);
-  run.format = reader->format();
-  run.odometry_used = flags.odometry != "none" && config.slam.odometry.use_wheels;
-  refuse_mcap_in_the_way(flags);
+  Begun begun = begin(flags, config);
+  SlamRun& run = begun.run;
+  std::vector<OpenLog> logs;
+  for (const std::string& log : flags.logs) logs.push_back({log, open_log(log, flags.options)});
+  refuse_in_the_way("--mcap", flags.mcap, flags);
+  refuse_in_the_way("--save", flags.save, flags);
   make_folder(flags.out);
   std::optional<SlamRecording> recording;  // opened before the work: a name that cannot be written costs no minutes
   if (!flags.mcap.empty()) recording.emplace(flags.mcap);
+  SlamRecording* const recorder = recording ? &*recording : nullptr;
   std::optional<ThreadExecutor> executor;
   if (flags.common.threads > 1) executor.emplace();
-  Slam slam(config.slam, Schedule::kDeterministic, executor ? &*executor : nullptr);
+  Executor* const beside = executor ? &*executor : nullptr;
+  Slam slam = begun.saved ? Slam(begun.saved->state, begun.options, Schedule::kDeterministic, beside)
+                          : Slam(begun.options, Schedule::kDeterministic, beside);
+  begun.saved.reset();
   const InterruptGuard guard;  // until the results are in place: what was finished is not lost
-  JudgedLog log(*reader);
-  feed(log, *reader, slam, recording ? &*recording : nullptr, flags, run);
-  note_odometry(log.source(), flags, run);
-  if (slam.scans() == 0) {
-    if (InterruptGuard::interrupted()) return stopped_with_nothing();
-    if (reader->damage_count() > 0) return fail_unreadable(*reader, flags.log);
-    const bool older = std::filesystem::exists(flags.out + "/summary.json");
-    return fail_no_scan(*reader, flags.log, older ? "; " + flags.out + " holds the results of an earlier run" : "");
-  }
-  if (!run.complete) warn("stopped after " + std::to_string(slam.scans()) + " scans; the results are of these");
-  const SlamResult result = slam.finish();
-  if (run.complete && InterruptGuard::interrupted())
-    warn("asked to stop after the last scan; the results are of the whole log");
-  note_end(*reader, cpu, wall, run);
-  FileSet files = slam_output(flags.out, result, run);
-  if (recording) recording->finish(result);
-  files.commit();
-  const int code = report_run(*reader, result, flags, run);
-  print_ending(slam_ending(result, run, flags.out));
-  return code;
+  StateSaver saver(flags.save, begun.options.slam.autosave_s);
+  FeedSettings settings;
+  settings.first = flags.extend.empty() ? Joining::kGoesOn : Joining::kNewDrive;
+  settings.use_odometry = flags.odometry != "none" && begun.options.odometry.use_wheels;
+  settings.beam_step = flags.beam_step;
+  settings.session_gap_s = begun.options.slam.session_gap_s;
+  SlamFeed feed(slam, run, saver, recorder, settings);
+  for (OpenLog& log : logs) run.complete = run.complete && feed.read(*log.reader, log.name);
+  if (slam.scans() == 0) return fail_without_scans(logs, flags);
+  saver.save(slam, run);
+  return finish(slam, logs, flags, recorder, cpu, wall, run);
 }
 
 }  // namespace
 
 void add_slam_command(CLI::App& app, CommandBody& body) {
-  auto* command = app.add_subcommand("slam", "a trajectory and a map from a log");
+  auto* command = app.add_subcommand("slam", "a trajectory and a map from one log or several");
   auto flags = std::make_shared<SlamFlags>();
-  command->add_option("LOG", flags->log, "log of any readable format")->required();
+  command->add_option("LOG", flags->logs, "logs of any readable format, in order of time")->required();
   command->add_option("--out", flags->out, "folder for trajectory, map, graph, report")->required()->type_name("DIR");
   command->add_option("--odometry", flags->odometry, "auto: wheel odometry where the log has any; none: scans alone")
       ->check(one_of({"auto", "none"}))
@@ -215,7 +252,20 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
       ->type_name("K");
   command->add_option("--mcap", flags->mcap, "write scans, frames, path and map for Foxglove or Lichtblick")
       ->check(not_empty());
-  command->footer("Example:\n  phasescan slam drive.jsonl --out map");
+  command->add_option("--save", flags->save, "keep the run as it is before its last pass, to go on from")
+      ->type_name("STATE")
+      ->check(not_empty());
+  auto* resume =
+      command->add_option("--resume", flags->resume, "go on from a saved run: the log goes on where it ended")
+          ->type_name("STATE")
+          ->check(not_empty());
+  command->add_option("--extend", flags->extend, "add another drive to a saved run, tied to it with no guess")
+      ->type_name("STATE")
+      ->check(not_empty())
+      ->excludes(resume);
+  command->footer(
+      "Example:\n  phasescan slam drive.jsonl --out map --save drive.state\n"
+      "  phasescan slam next-day.jsonl --extend drive.state --out both");
   add_log_flags(*command, flags->options);
   add_to_flag(*command, flags->options);
   add_config_flag(*command, flags->common);

@@ -89,6 +89,21 @@ Json summary_of(const SlamResult& result, const SlamRun& run) {
           {"warnings", warnings}};
 }
 
+/// Which log went where.
+Json inputs_of(const SlamResult& result, const SlamRun& run) {
+  Json list = Json::array();
+  for (const SlamInput& input : run.inputs) {
+    const auto session = static_cast<std::size_t>(input.session);
+    Json line{{"log", std::filesystem::path(input.log).filename().string()},
+              {"scans", input.scans},
+              {"drive", input.session}};
+    if (!result.parts.empty() && session < result.sessions.size())
+      line["folder"] = std::to_string(result.sessions[session].part + 1);
+    list.push_back(std::move(line));
+  }
+  return list;
+}
+
 Json percentiles(std::vector<float> values) {
   if (values.empty()) return Json::object();
   double sum = 0.0;
@@ -243,6 +258,7 @@ FileSet slam_output(const std::string& folder, const SlamResult& result, const S
   files.add("map.yaml", format_map_yaml(result.map, "map.pgm"));
   files.add("map.png", format_png(result.map, paints_of(result.map, result.glass)));
   Json summary = summary_of(result, run);
+  summary["inputs"] = inputs_of(result, run);
   summary["glass"] = glass_summary(result.glass, run.glass_blocks);
   files.add("report.html", report_of(result, run, summary));
   if (run.times) {
@@ -252,6 +268,55 @@ FileSet slam_output(const std::string& folder, const SlamResult& result, const S
   }
   files.add("summary.json", text_of(summary) + "\n");  // put in place last: beside a new summary all is new
   return files;
+}
+
+namespace {
+
+/// What the run knows of the drives of one part.
+SlamRun run_of_part(const SlamResult& result, const SlamRun& run, std::int32_t part) {
+  SlamRun out;
+  out.format = run.format;
+  out.source = run.source;
+  out.odometry_assumed = run.odometry_assumed;
+  out.odometry_used = run.odometry_used;
+  out.complete = run.complete;
+  out.glass_blocks = run.glass_blocks;
+  out.deskew_asked = run.deskew_asked;
+  out.T_base_laser = run.T_base_laser;
+  out.flipped = run.flipped;
+  out.times = false;
+  for (SlamInput input : run.inputs) {
+    const auto session = static_cast<std::size_t>(input.session);
+    if (session >= result.sessions.size() || result.sessions[session].part != part) continue;
+    const auto begin = run.overlap.begin() + input.first_scan;
+    out.overlap.insert(out.overlap.end(), begin, begin + input.scans);
+    out.tracked += input.tracked;
+    out.usable += input.usable;
+    out.new_segments += input.new_segments;
+    for (const auto& [kind, count] : input.damages) out.damages[kind] += count;
+    if (out.log.empty()) out.log = input.log;
+    out.inputs.push_back(std::move(input));
+  }
+  return out;
+}
+
+}  // namespace
+
+void write_parts(const std::string& folder, const SlamResult& result, const SlamRun& run) {
+  for (std::size_t k = 0; k < result.parts.size(); ++k) {
+    slam_output(folder + "/" + std::to_string(k + 1), result.parts[k],
+                run_of_part(result, run, static_cast<std::int32_t>(k)))
+        .commit();
+  }
+  for (std::size_t k = result.parts.size() + 1;; ++k) {
+    const std::string older = folder + "/" + std::to_string(k);
+    if (!std::filesystem::exists(older + "/summary.json")) return;
+    FileSet files(older);
+    for (const char* name : {"summary.json", "report.html", "map.png", "map.yaml", "map.pgm", "graph.g2o",
+                             "scans.jsonl", "trajectory.tum", "timing.json"})
+      files.leave_out(name);
+    files.commit();
+  }
 }
 
 }  // namespace phasescan::app

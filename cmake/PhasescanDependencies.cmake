@@ -23,15 +23,19 @@ if("slam" IN_LIST PHASESCAN_BUILT)
   find_package(Ceres 2.1 REQUIRED)
 endif()
 
+# Saved states and packed logs.
+if("slam" IN_LIST PHASESCAN_BUILT OR "io" IN_LIST PHASESCAN_BUILT)
+  find_package(ZLIB REQUIRED)
+  pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET GLOBAL libzstd)
+endif()
+
 # Files and formats.
 if("io" IN_LIST PHASESCAN_BUILT)
   find_package(nlohmann_json 3.11 REQUIRED)
   find_package(yaml-cpp REQUIRED)
-  find_package(ZLIB REQUIRED)
   find_package(BZip2 REQUIRED)
   find_package(SQLite3 REQUIRED)
   pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET GLOBAL liblz4)
-  pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET GLOBAL libzstd)
   find_package(fmt REQUIRED)
 endif()
 

@@ -13,15 +13,16 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 # Folder of src/ and include/phasescan/, and the folders it may include besides itself. Nothing may lead back.
 GRAPH = """
 core
+state        core
 scan         core
 refine       core scan
 match        core scan refine
 fft_icp      core scan refine match
 methods      core scan match fft_icp
-odometry     core scan match refine
+odometry     core state scan match refine
 graph        core
 map          core scan
-slam         core scan match odometry graph map
+slam         core state scan match odometry graph map
 io           core scan
 live         core scan match odometry map slam io
 sim          core scan io

@@ -9,6 +9,7 @@
 #if __has_include("phasescan/slam/slam.hpp")
 #include "phasescan/odometry/odometry.hpp"  // IWYU pragma: export
 #include "phasescan/slam/slam.hpp"          // IWYU pragma: export
+#include "phasescan/slam/state.hpp"         // IWYU pragma: export
 #endif
 #if __has_include("phasescan/io/log.hpp")
 #include "phasescan/io/log.hpp"  // IWYU pragma: export

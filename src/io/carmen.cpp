@@ -12,6 +12,7 @@
 #include "io/log_format.hpp"
 #include "io/text_log.hpp"
 #include "io/number.hpp"
+#include "io/odometry_samples.hpp"
 #include "phasescan/io/scan_json.hpp"
 
 namespace phasescan {
@@ -81,17 +82,26 @@ class CarmenReader : public TextLogReader {
   using TextLogReader::TextLogReader;
 
   std::optional<LogEntry> next() override {
-    while (next_line(text_)) {
+    for (bool ended = false;;) {
+      if (auto entry = queue_.take(ended)) return entry;
+      if (ended) return std::nullopt;
+      ended = !next_line(text_);
+      if (ended) continue;
       try {
-        if (auto entry = read_line()) return entry;
+        if (auto entry = read_line()) queue_.add(std::move(*entry));
       } catch (const BadLine& bad) {
         damage_here(bad.kind, bad.reason);
       }
     }
-    return std::nullopt;
   }
 
   std::string format() const override { return "carmen"; }
+
+  std::vector<LogRemark> remarks() const override {
+    std::vector<LogRemark> out;
+    queue_.add_remarks(out);
+    return out;
+  }
 
   std::map<std::string, std::string> facts() const override {
     std::map<std::string, std::string> out;
@@ -144,7 +154,17 @@ class CarmenReader : public TextLogReader {
     constexpr std::size_t kRest = 6;  // tv rv accel t host lt
     const Pose2 pose = words.pose("the odometry");
     if (!line_was_ended() && words.left() < kRest) throw BadLine{"truncated line", "the file ends inside the line"};
-    odometry_ = pose;
+    std::optional<Stamp> stamp;
+    if (words.left() >= kRest) {
+      for (int i = 0; i < 3; ++i) words.word();  // velocities and acceleration
+      stamp = read_stamp(words, line_was_ended());
+    }
+    if (stamp && *stamp != 0) {
+      queue_.add_sample({*stamp, pose});
+      untimed_.reset();
+    } else {
+      untimed_ = pose;
+    }
     return std::nullopt;
   }
 
@@ -178,7 +198,7 @@ class CarmenReader : public TextLogReader {
     words.expect_left(remissions + 3, remissions);
     read_remissions(words, remissions, entry.scan);
     entry.T_base_laser = laser_on_robot();
-    entry.odometry = odometry_;
+    entry.odometry = untimed_;
     entry.scan.stamp = read_stamp(words, line_was_ended());
     return entry;
   }
@@ -216,7 +236,8 @@ class CarmenReader : public TextLogReader {
   std::map<std::string, std::size_t> counts_;
   std::optional<double> laser_ahead_;
   double field_of_view_ = kPi;
-  std::optional<Pose2> odometry_;
+  OdometryQueue queue_{OdometryQueue::Outside::kNearest};  ///< with the ODOM lines
+  std::optional<Pose2> untimed_;                           ///< of the last ODOM line, where it says no time
 };
 
 bool is_carmen(const LogInput& input) {

@@ -59,9 +59,28 @@ OdometrySource OdometryJudge::source() const {
   return {usable, text};
 }
 
+OdometryJudge JudgedLog::judge() const {
+  OdometryJudge judge = judge_;
+  if (judge.with_both_ == 0) judge.usable_.reset();
+  return judge;
+}
+
 std::optional<LogEntry> JudgedLog::next() {
+  if (!interpolates_) return next_judged();
+  for (bool ended = false;;) {
+    if (auto entry = between_.take(ended)) return entry;
+    if (ended) return std::nullopt;
+    std::optional<LogEntry> entry = next_judged();
+    ended = !entry.has_value();
+    if (ended) continue;
+    if (entry->odometry) between_.add_sample({entry->scan.stamp, *entry->odometry});
+    between_.add(std::move(*entry));
+  }
+}
+
+std::optional<LogEntry> JudgedLog::next_judged() {
   while (!ended_ && (waiting_.empty() || judge_.is_open())) {
-    std::optional<LogEntry> entry = log_.next();
+    std::optional<LogEntry> entry = first_ ? std::exchange(first_, std::nullopt) : log_.next();
     if (!entry) {
       ended_ = true;
       judge_.finish(log_);

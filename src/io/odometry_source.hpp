@@ -5,7 +5,9 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "io/odometry_samples.hpp"
 #include "phasescan/io/log.hpp"
 
 namespace phasescan {
@@ -36,7 +38,21 @@ class OdometryJudge {
   bool is_open() const { return !usable_.has_value(); }
   OdometrySource source() const;
 
+  /// Names what it remembers, so that a run goes on with it after a stop.
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("scans", self.scans_);
+    v("with_odometry", self.with_odometry_);
+    v("with_both", self.with_both_);
+    v("same", self.same_);
+    v("first_different", self.first_different_);
+    v("by_same_poses", self.by_same_poses_);
+    v("marks_late", self.marks_late_);
+    v("usable", self.usable_);
+  }
+
  private:
+  friend class JudgedLog;
   void decide(const LogReader& log);
 
   std::size_t scans_ = 0, with_odometry_ = 0, with_both_ = 0, same_ = 0;
@@ -49,19 +65,29 @@ class OdometryJudge {
 /// kind: at most OdometryJudge::kFirstScans, and only of logs with corrected poses.
 class JudgedLog {
  public:
-  /// `log` must outlive it.
-  explicit JudgedLog(LogReader& log) : log_(log) {}
+  /// Scans between two with odometry get what lies between, if `interpolates`. `log` must outlive it.
+  /// @param judge  of the log that this one goes on with  @param first  an entry that was read already
+  explicit JudgedLog(LogReader& log, bool interpolates = false, OdometryJudge judge = {},
+                     std::optional<LogEntry> first = std::nullopt)
+      : log_(log), interpolates_(interpolates), judge_(std::move(judge)), first_(std::move(first)) {}
 
   /// As LogReader::next.
   std::optional<LogEntry> next();
   /// Final once `next` has given nothing.
   OdometrySource source() const { return judge_.source(); }
+  /// For a log that goes on with this one: what was decided by the end of this log alone is open again.
+  OdometryJudge judge() const;
 
  private:
+  std::optional<LogEntry> next_judged();
+
   LogReader& log_;
+  bool interpolates_;
   OdometryJudge judge_;
+  std::optional<LogEntry> first_;
   std::deque<LogEntry> waiting_;
   bool ended_ = false;
+  OdometryQueue between_{OdometryQueue::Outside::kNone};
 };
 
 }  // namespace phasescan

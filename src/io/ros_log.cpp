@@ -12,10 +12,7 @@ namespace {
 constexpr Stamp kSecond = 1'000'000'000;
 constexpr Stamp kLongestWait = 2 * kSecond;
 constexpr std::size_t kMostPending = 64;
-constexpr std::size_t kMostSamples = 4096;
 constexpr std::size_t kMostChannels = 4096;
-constexpr Stamp kLongestGap = kSecond;
-constexpr Stamp kNearest = kSecond / 5;
 constexpr std::size_t kMostFramesOfATopic = 64;
 constexpr double kTilted_rad = 0.1;  ///< a wall 5 m away is then met half a metre too high or low
 
@@ -147,7 +144,7 @@ void RosLogReader::add_odometry(const Channel& channel, Bytes data) {
     if (zero_odometry_ == 2) samples_.clear();
     stamp = log_time_;
   }
-  add_sample(samples_, {stamp, planar(odometry_message_.pose)});
+  samples_.add({stamp, planar(odometry_message_.pose)});
 }
 
 void RosLogReader::add_transforms(const Channel& channel, Bytes data) {
@@ -157,51 +154,17 @@ void RosLogReader::add_transforms(const Channel& channel, Bytes data) {
     if (!is_odom_frame(plain_frame(transform.header.frame_id))) continue;
     const std::string child = plain_frame(transform.child_frame_id);
     if (tf_base_frame_.empty()) tf_base_frame_ = child;
-    if (child == tf_base_frame_) add_sample(tf_samples_, {transform.header.stamp, planar(transform.pose)});
+    if (child == tf_base_frame_) tf_samples_.add({transform.header.stamp, planar(transform.pose)});
   }
-}
-
-void RosLogReader::add_sample(std::deque<Sample>& samples, Sample sample) {
-  if (!samples.empty() && sample.stamp <= samples.back().stamp) {
-    if (samples.back().stamp - sample.stamp < kSecond) return;
-    samples.clear();  // the clock was set back: what came before belongs to another time
-  }
-  samples.push_back(sample);
-  if (samples.size() > kMostSamples) samples.pop_front();
 }
 
 bool RosLogReader::may_leave(const Pending& pending) const {
   if (ended_ || pending_.size() >= kMostPending || log_time_ - pending.log_time > kLongestWait) return true;
   if (pending.channel->stamps == Channel::Stamps::kUnknown) return false;
   if (log_time_ < pending.log_time) return true;  // recorded out of order: waiting longer tells nothing
-  const std::deque<Sample>& samples = odometry();
-  if (samples.empty() || samples.back().stamp < pending.entry.scan.stamp) return false;
+  const OdometrySamples& samples = odometry();
+  if (samples.empty() || samples.last_stamp() < pending.entry.scan.stamp) return false;
   return mountings_.contains(pending.frame) || tree_.mounting(base_frame(), pending.frame).has_value();
-}
-
-std::optional<Pose2> RosLogReader::odometry_at(Stamp stamp) const {
-  const std::deque<Sample>& samples = odometry();
-  const auto after = std::lower_bound(samples.begin(), samples.end(), stamp,
-                                      [](const Sample& sample, Stamp t) { return sample.stamp < t; });
-  if (after != samples.end() && after->stamp == stamp) return after->pose;
-  if (after != samples.end() && after != samples.begin()) {
-    const Sample& before = *std::prev(after);
-    if (after->stamp - before.stamp <= kLongestGap) {
-      const double share = static_cast<double>(stamp - before.stamp) / static_cast<double>(after->stamp - before.stamp);
-      const Pose2& a = before.pose;
-      const Pose2& b = after->pose;
-      return Pose2{a.x + share * (b.x - a.x), a.y + share * (b.y - a.y),
-                   wrap_angle(a.theta + share * wrap_angle(b.theta - a.theta))};
-    }
-  }
-  const auto near = [stamp](const Sample& sample) {
-    const Stamp away = sample.stamp > stamp ? sample.stamp - stamp : stamp - sample.stamp;
-    return away <= kNearest ? away : kNearest + 1;
-  };
-  const Stamp to_after = after != samples.end() ? near(*after) : kNearest + 1;
-  const Stamp to_before = after != samples.begin() ? near(*std::prev(after)) : kNearest + 1;
-  if (std::min(to_after, to_before) > kNearest) return std::nullopt;
-  return to_after < to_before ? after->pose : std::prev(after)->pose;
 }
 
 std::optional<LogEntry> RosLogReader::next() {
@@ -226,7 +189,8 @@ void RosLogReader::place_on_robot(Pending& pending) {
   LogEntry& entry = pending.entry;
   // From the first scan on the kind of odometry stays: a change of frame would look like a jump of the robot.
   if (!odometry().empty()) source_settled_ = true;
-  entry.odometry = odometry_at(entry.scan.stamp);
+  entry.odometry = odometry().near(entry.scan.stamp);
+  clock_.add(entry.scan.stamp, entry.odometry.has_value(), odometry());
   auto settled = mountings_.find(pending.frame);
   if (settled == mountings_.end() && mountings_.size() < kMostChannels) {
     settled = mountings_.emplace(pending.frame, tree_.mounting(base_frame(), pending.frame)).first;

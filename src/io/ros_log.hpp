@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "io/odometry_samples.hpp"
 #include "io/ros_messages.hpp"
 #include "io/ros_scan.hpp"
 #include "io/ros_tf.hpp"
@@ -100,11 +101,6 @@ class RosLogReader final : public LogReader {
     std::string frame;
     Stamp log_time = 0;
   };
-  struct Sample {
-    Stamp stamp;
-    Pose2 pose;
-  };
-
   void add_scan(Channel& channel, Stamp log_time, Bytes data);
   void decode_scan(const Channel& channel, Bytes data);
   void settle_stamp(Pending& pending);
@@ -112,10 +108,8 @@ class RosLogReader final : public LogReader {
   bool is_left_out(const Pending& pending);
   void add_odometry(const Channel& channel, Bytes data);
   void add_transforms(const Channel& channel, Bytes data);
-  void add_sample(std::deque<Sample>& samples, Sample sample);
-  const std::deque<Sample>& odometry() const { return odometry_topic_.empty() ? tf_samples_ : samples_; }
+  const OdometrySamples& odometry() const { return odometry_topic_.empty() ? tf_samples_ : samples_; }
   bool may_leave(const Pending& pending) const;
-  std::optional<Pose2> odometry_at(Stamp stamp) const;
   const std::string& base_frame() const { return odometry_topic_.empty() ? tf_base_frame_ : base_frame_; }
   void check_topic() const;
   void check_frame() const;
@@ -132,8 +126,9 @@ class RosLogReader final : public LogReader {
   bool source_settled_ = false;
   std::string base_frame_;     ///< child frame of the odometry topic
   std::string tf_base_frame_;  ///< child frame of the first odom transform
-  std::deque<Sample> samples_;
-  std::deque<Sample> tf_samples_;
+  OdometrySamples samples_;
+  OdometrySamples tf_samples_;
+  ClockCheck clock_;
   TransformTree tree_;
   std::map<std::string, std::optional<Mounting>> mountings_;
   std::map<std::string, std::size_t> tilted_;  ///< scans left out by frame

@@ -61,6 +61,7 @@ std::vector<LogRemark> RosLogReader::remarks() const {
                                "left out; --frame {} reads them",
                                frame, rad_to_deg(mountings_.at(frame)->tilt_rad), count, frame)});
   }
+  clock_.add_remarks(out);
   if (!any_scan && !others.empty()) out.push_back({"no scans", "no topic holds scans that can be read: " + others});
   return out;
 }

@@ -81,8 +81,8 @@ void GlassCandidates::look_for_facet(const std::vector<ViewRay>& rays, const Pie
   for (int b = piece.first; b <= piece.last; ++b) {
     const Meeting m = meet(rays[static_cast<std::size_t>(b)], piece.line);
     if (!m.meets) continue;
-    least = std::min(least, m.incidence);
-    most = std::max(most, m.incidence);
+    least = std::min(least, m.incidence());
+    most = std::max(most, m.incidence());
   }
   if (least > deg_to_rad(options_.facing_deg) || most > kWidestFacet) return;
   // On one side at least the line goes on where beams do not end on it.
@@ -95,7 +95,7 @@ void GlassCandidates::look_for_facet(const std::vector<ViewRay>& rays, const Pie
       if (b < 0 || b >= static_cast<int>(rays.size())) break;
       const ViewRay& ray = rays[static_cast<std::size_t>(b)];
       const Meeting m = meet(ray, piece.line);
-      if (!m.meets || m.incidence > kMostIncidence) break;
+      if (!m.meets || m.incidence() > kMostIncidence) break;
       beside += ray.end == RayEnd::kVanished || (ray.end == RayEnd::kHit && m.behind > kThroughM);
     }
     open = open || beside >= kLeastBeside;
@@ -126,7 +126,7 @@ void GlassCandidates::look_for_gap(const std::vector<ViewRay>& rays, const Piece
   }
   for (const int beam : {before.last, after.first}) {
     const Meeting m = meet(rays[static_cast<std::size_t>(beam)], line);
-    if (!m.meets || m.incidence > kMostIncidence) return;
+    if (!m.meets || m.incidence() > kMostIncidence) return;
   }
   put(sums, a, b, true);
 }

@@ -70,7 +70,7 @@ void GlassEvidence::add(const std::vector<ViewRay>& rays, double range_max, cons
     if (bin >= bins_.size()) continue;
     // What ends in front of the line says nothing of it.
     if (ray.end == RayEnd::kHit && m.behind < -on_pane(m.range)) continue;
-    met_.push_back({m, &ray, bin});
+    met_.push_back({m, m.incidence(), &ray, bin});
   }
   if (met_.empty()) return;
   if (candidate_.gap)
@@ -84,7 +84,7 @@ void GlassEvidence::count_facing(double range_max) {
   Witness witness{0.0, 1e300, -1e300};
   int answers = 0;
   for (const Met& m : met_) {
-    if (m.ray->end != RayEnd::kHit || m.at.behind > on_pane(m.at.range) || m.at.incidence > kFacingFrom) continue;
+    if (m.ray->end != RayEnd::kHit || m.at.behind > on_pane(m.at.range) || m.incidence > kFacingFrom) continue;
     ++answers;
     witness.place = candidate_.line.place(m.ray->from);
     witness.low = std::min(witness.low, m.at.place);
@@ -99,11 +99,11 @@ void GlassEvidence::count_facing(double range_max) {
     const bool on = hit && m.at.behind <= on_pane(m.at.range), through = hit && m.at.behind > kThroughM;
     const bool vanished = !hit && m.at.range < kVanishShare * range_max;
     bin.hits += on;
-    if (m.at.incidence <= facing) {
+    if (m.incidence <= facing) {
       bin.facing_hits += on;
       bin.facing_open += through || vanished;
     }
-    if (m.at.incidence < oblique || m.at.incidence > kMostOblique) continue;
+    if (m.incidence < oblique || m.incidence > kMostOblique) continue;
     bin.oblique_hits += on;
     if (!is_witness || !(through || vanished)) continue;
     bin.oblique_through += through;
@@ -125,7 +125,7 @@ void GlassEvidence::count_gap(double range_max, const OccupancyGrid& grid) {
   std::size_t last = bins_.size(), last_expected = bins_.size();
   for (const Met& m : met_) {
     Bin& bin = bins_[m.bin];
-    if (m.at.incidence > kMostOblique) continue;
+    if (m.incidence > kMostOblique) continue;
     const auto shell = static_cast<std::size_t>(m.at.range / kShellM);
     if (shell >= kShells) continue;
     if (m.ray->end == RayEnd::kHit) {

@@ -38,6 +38,7 @@ class GlassEvidence {
   };
   struct Met {
     Meeting at;
+    double incidence = 0.0;  ///< [rad]
     const ViewRay* ray = nullptr;
     std::size_t bin = 0;
   };

@@ -45,7 +45,7 @@ Meeting meet(const ViewRay& ray, const MapLine& line) {
   m.meets = true;
   m.range = -before / speed;
   m.place = line.place(ray.from + m.range * ray.direction);
-  m.incidence = std::acos(std::min(1.0, std::abs(speed)));
+  m.cosine = std::min(1.0, std::abs(speed));
   if (ray.end == RayEnd::kHit) m.behind = (ray.range - m.range) * std::abs(speed);
   return m;
 }

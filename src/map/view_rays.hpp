@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "map/glass.hpp"
@@ -44,10 +45,11 @@ inline constexpr double kThroughM = 0.25;
 /// How a ray meets a line.
 struct Meeting {
   bool meets = false;
-  double range = 0.0;      ///< to the line [m]
-  double place = 0.0;      ///< along the line [m]
-  double incidence = 0.0;  ///< against the normal [rad], 0..pi/2
-  double behind = 0.0;     ///< of a hit: how far it lies behind the line, at right angles; negative: in front of it [m]
+  double range = 0.0;   ///< to the line [m]
+  double place = 0.0;   ///< along the line [m]
+  double cosine = 0.0;  ///< of the incidence, 0..1
+  double behind = 0.0;  ///< of a hit: how far it lies behind the line, at right angles; negative: in front of it [m]
+  double incidence() const { return std::acos(cosine); }  ///< against the normal [rad], 0..pi/2
 };
 Meeting meet(const ViewRay& ray, const MapLine& line);
 

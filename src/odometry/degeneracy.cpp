@@ -16,7 +16,8 @@ constexpr double kInvertible = 1e-3;
 }  // namespace
 
 double largest_deviation(const Eigen::Matrix3d& information) {
-  const Eigen::Matrix2d covariance = information.inverse().topLeftCorner<2, 2>();
+  const Eigen::Matrix2d covariance =
+      (information + kInvertible * Eigen::Matrix3d::Identity()).inverse().topLeftCorner<2, 2>();
   const double half = 0.5 * (covariance(0, 0) - covariance(1, 1));
   return std::sqrt(0.5 * covariance.trace() + std::hypot(half, covariance(0, 1)));
 }
@@ -29,8 +30,7 @@ WeakDirection weakest_direction(const Eigen::Matrix3d& information) {
 }
 
 bool determines_position(const Eigen::Matrix3d& information, double most_sigma_m) {
-  const Eigen::Matrix3d weak = kInvertible * Eigen::Matrix3d::Identity();
-  return largest_deviation(information + weak) < most_sigma_m;
+  return largest_deviation(information) < most_sigma_m;
 }
 
 void bound_translation(Eigen::Matrix3d& covariance, double most_m) {

@@ -6,7 +6,7 @@
 
 namespace phasescan {
 
-/// Standard deviation of the position in the direction that is known least [m].
+/// Standard deviation of the position in the direction that is known least [m]; 30 m where nothing is known of it.
 double largest_deviation(const Eigen::Matrix3d& information);
 
 /// The direction of (x, y, theta) that an information says least about.

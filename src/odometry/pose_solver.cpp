@@ -16,10 +16,9 @@ constexpr std::size_t kJudgingPoints = 150;  // points that score a finished mat
 // work of a scan, and on the recorded logs a prior that matches above this share do not need. Below the second a better
 // pose is searched nearby; below the third even after that the pose falls back to the match against the last scan.
 constexpr double kSureShare = 0.95, kMinShare = 0.85, kFallBackShare = 0.7;
-constexpr double kClearlyBetter = 0.04;  // of the score, for a pose from the search nearby to be taken instead
-// A match against the last scan that is in doubt: overlap that it needs, and [rad] that it may be off the motion
-// before.
-constexpr double kDoubtfulOverlap = 0.6, kMostDoubtfulTurn = 1.2;
+constexpr double kClearlyBetter = 0.04;   // of the score, for a pose from the search nearby to be taken instead
+constexpr double kSurpriseShare = 0.5;    // of what a match in doubt may lie off what is expected
+constexpr double kDoubtfulOverlap = 0.6;  // that a match against the last scan needs which is in doubt
 // What a match against the last scan is off by beside what it claims [m], [rad], and how much more than it claims, of
 // the covariance: what moved meanwhile is in no claim.
 constexpr double kScanToScanM = 0.015, kScanToScanRad = 0.01, kScanToScanFactor = 16.0;
@@ -61,6 +60,23 @@ void search_nearby(const LocalMap& map, const MapPoints& points, double min_over
   }
 }
 
+bool after_losses(const SearchPolicy& policy) {
+  return policy.least_share_alone > 0.0;
+}
+
+/// Whether a pose lies farther from what is expected than a share of what a match in doubt may.
+bool lies_far(const PoseQuery& query, const Pose2& T_map_base, const SearchPolicy& policy, double share) {
+  const Pose2& expected = query.prior.T_map_base;
+  return angle_distance(expected.theta, T_map_base.theta) > share * policy.most_doubtful_turn ||
+         translation_distance(expected, T_map_base) > share * policy.most_doubtful_m;
+}
+
+/// Whether the map alone shows the pose where scans were lost.
+bool shows_alone(const PoseQuery& query, const PoseSolution& best, const SearchPolicy& policy) {
+  return after_losses(policy) && best.found.overlap >= query.min_overlap &&
+         best.score >= policy.least_share_alone * query.usual_score;
+}
+
 /// Tries the match against the last scan as a start.
 void fall_back_to_global_match(const LocalMap& map, const MapPoints& points, const PoseQuery& query,
                                const std::optional<LastScanMatch>& last, const SearchPolicy& policy,
@@ -72,12 +88,13 @@ void fall_back_to_global_match(const LocalMap& map, const MapPoints& points, con
   by_match.information = last->usable ? last->covariance.inverse() / kMatchTrust : best.prior.information;
   if (!by_match.information.allFinite()) return;
   // One in doubt may be the symmetry alias of the right one.
-  if (!last->usable && angle_distance(best.prior.T_map_base.theta, by_match.T_map_base.theta) > kMostDoubtfulTurn)
-    return;
+  if (!last->usable && (lies_far(query, by_match.T_map_base, policy, 1.0) || shows_alone(query, best, policy))) return;
   const Registration again = register_points(map, points, by_match.T_map_base, {}, by_match);
   const double again_score = score_of(map, points, again.T_map_base);
   if (!last->usable && again.overlap < kDoubtfulOverlap) return;
-  const double needed = best.score + (last->usable ? policy.last_scan_gain : policy.doubtful_gain);
+  const bool surprises = after_losses(policy) && lies_far(query, by_match.T_map_base, policy, kSurpriseShare);
+  const double gain = surprises ? kClearlyBetter : policy.last_scan_gain;
+  const double needed = best.score + (last->usable ? gain : policy.doubtful_gain);
   const bool instead_of_none = best.found.overlap < query.min_overlap && again_score >= best.score;
   if (again_score < needed && !instead_of_none) return;
   best.found = again;
@@ -100,7 +117,8 @@ PoseSolution solve_pose(const LocalMap& map, const MapPoints& points, const Pose
   if (!policy.always_try_last_scan && explains(kSureShare) && determined()) return best;
 
   const std::optional<LastScanMatch> last = query.match_last_scan();
-  const bool fused = last && last->certain && policy.fuse_last_scan;
+  const bool surprises = last && after_losses(policy) && lies_far(query, last->T_map_mid, policy, kSurpriseShare);
+  const bool fused = last && last->certain && policy.fuse_last_scan && !surprises;
   if (fused) {
     best.prior = fuse_scan_to_scan(query.prior, *last);
     best.found = register_points(map, points, query.guess, {}, best.prior);

@@ -9,8 +9,9 @@ namespace {
 constexpr std::size_t kRing = 31;    // steps that the usual period is the median of
 constexpr double kMostJitter = 0.3;  // of a period: median distance of the steps from their median
 // More time than both of these without a scan is a gap.
-constexpr double kGapPeriods = 15.0, kGapSeconds = 2.0;
-constexpr double kMostPeriods = 3.0;  // that a motion is carried on over
+constexpr double kGapPeriods = 15.0, kGapSeconds = 6.0;
+constexpr double kMostPeriods = 15.0;  // that a motion is carried on over
+constexpr double kPeriodsOfGap = 3.0;  // after a gap no motion is carried on; how much wider the search is
 // [s], [periods] A turn that lasts longer is a wrong header.
 constexpr double kMostTurnS = 2.0, kMostTurnPeriods = 1.2;
 
@@ -38,7 +39,7 @@ ScanTiming ScanClock::add(const Scan& scan) {
         }
         // Stamps that jitter by much of a period tell when messages were written, not when scans were taken.
         if (jitter_s < kMostJitter * period_s)
-          timing.periods = std::clamp(std::round(step / period_s), 1.0, kMostPeriods);
+          timing.periods = std::clamp(std::round(step / period_s), 1.0, timing.gap ? kPeriodsOfGap : kMostPeriods);
       }
       if (steps_s.size() < kRing) {
         steps_s.push_back(step);

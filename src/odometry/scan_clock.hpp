@@ -11,10 +11,13 @@
 namespace phasescan {
 
 struct ScanTiming {
-  double periods = 1.0;     ///< how many usual scan periods have passed, 1..3; 1 where stamps say nothing sensible
+  double periods = 1.0;     ///< how many usual scan periods have passed, 1..15; 1 where stamps say nothing sensible
   double period_s = 0.0;    ///< the usual period [s], 0 = not known yet
   double duration_s = 0.0;  ///< of the scan's turn [s], 0 = unknown
   bool gap = false;         ///< much more time has passed than tracking can bridge
+  /// The time since the last scan where so many are missing that the motion before says little of where the robot is
+  /// now, else 0 [s].
+  double lost_s() const { return periods >= 4.0 && !gap ? periods * period_s : 0.0; }
 };
 
 /// What stamps have been like. Plain values.

@@ -29,6 +29,12 @@ struct SearchPolicy {
   /// By so much of its score the pose from a usable match against the last scan must be better to be taken instead; the
   /// other is for one in doubt.
   double last_scan_gain = 0.04, doubtful_gain = 0.0;
+  /// How far from what is expected a match against the last scan may lie if it is in doubt [rad], [m]. One beyond half
+  /// of that counts as in doubt where scans were lost: it is no prior, and must explain the scan clearly better.
+  double most_doubtful_turn = 1.2, most_doubtful_m = 1e9;
+  /// A pose that no match against the last scan led to must have this share of the usual score; one that has it needs
+  /// no match that is in doubt.
+  double least_share_alone = 0.0;
   /// What the motion per scan may change by beside what the model has [m], [rad].
   double change_m = 0.0, change_rad = 0.0;
   /// Scans in a row without a match until a new local map is begun.
@@ -36,6 +42,8 @@ struct SearchPolicy {
 };
 
 /// Dense or sparse rules, by how much the motion varies from scan to scan.
-SearchPolicy search_policy(const MotionVariability& variability, const OdometryOptions& options);
+/// @param lost_s  scans are missing before this one, and so much time has passed [s]; 0 = none is. In a dense log the
+///                match against the last scan, which needs no guess, then counts as in a sparse one
+SearchPolicy search_policy(const MotionVariability& variability, const OdometryOptions& options, double lost_s = 0.0);
 
 }  // namespace phasescan

@@ -108,7 +108,7 @@ Tracker::Scanned Tracker::begin(const RangeMeasurement& measurement) {
   if (!options_.deskew || state_.deskew_test.refuted())
     timing.duration_s = 0.0;  // all beams of one time: that of the stamp
   scanned.motion = state_.motion.begin_scan(timing, measurement.T_odom_base, options_);
-  scanned.policy = search_policy(state_.motion.variability, options_);
+  scanned.policy = search_policy(state_.motion.variability, options_, timing.lost_s());
   scanned.frame = frame_of(measurement, scanned.motion.twist, timing.duration_s, scanned.policy);
   return scanned;
 }
@@ -229,6 +229,11 @@ bool Tracker::is_matched(const Scanned& scanned, const PoseSolution& pose) {
   if (scanned.motion.timing.gap &&
       pose_score(map_, *scanned.frame.points, found.T_map_base) < kAfterGapShare * state_.usual_score) {
     // The robot may have been carried anywhere meanwhile; rooms look alike enough for a match to be found in any.
+    state_.untracked = options_.lost_after_scans;
+    return false;
+  }
+  if (!pose.full_search && pose.score < scanned.policy.least_share_alone * state_.usual_score) {
+    // What comes next would be matched near a pose that is a guess.
     state_.untracked = options_.lost_after_scans;
     return false;
   }

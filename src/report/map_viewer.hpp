@@ -15,6 +15,12 @@ namespace phasescan {
 struct ShownScan {
   std::size_t scan = 0;  ///< index of the run's scans
   std::vector<std::int16_t> points_cm;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("scan", self.scan);
+    v("points_cm", self.points_cm);
+  }
 };
 
 /// Keeps scans for a report in bounded memory: all of a short run, every second, fourth, ... of a longer one.
@@ -25,6 +31,12 @@ class ShownScans {
   void add(std::size_t index, const Scan& upright, const Pose2& T_base_laser);
   std::span<const ShownScan> scans() const { return scans_; }
   std::size_t every() const { return every_; }
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("scans", self.scans_);
+    v("every", self.every_);
+  }
 
  private:
   std::vector<ShownScan> scans_;

@@ -12,6 +12,11 @@ constexpr double kLeverM = 5.0;  // what a turn moves: walls so far from the las
 
 }  // namespace
 
+SnapshotNode node_of(const Keyframe& keyframe) {
+  return {keyframe.stored,      keyframe.own_scan,     keyframe.scan,
+          keyframe.T_mid_stamp, keyframe.T_base_laser, keyframe.twist};
+}
+
 void SnapshotNodes::push_back(SnapshotNode node) {
   // What is published stays as it is: the last block is replaced by one that holds the new node as well.
   std::vector<SnapshotNode> last;

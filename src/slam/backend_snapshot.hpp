@@ -27,6 +27,8 @@ struct SnapshotNode {
   Scan scan() const { return own_scan ? *own_scan : stored ? stored->scan() : Scan{}; }
 };
 
+SnapshotNode node_of(const Keyframe& keyframe);
+
 /// Nodes in order, in blocks that all snapshots share but for the last.
 class SnapshotNodes {
  public:

@@ -67,8 +67,8 @@ BoundedAdmission::MapMatch BoundedAdmission::match_map(const Keyframe& keyframe,
   return match;
 }
 
-void BoundedAdmission::lose(const GraphSession& session) {
-  state_.unfit_m = GraphSession::kBreakM;
+void BoundedAdmission::lose(const GraphSession& session, bool new_session) {
+  state_.unfit_m = new_session ? GraphSession::kSessionM : GraphSession::kBreakM;
   state_.sure_nodes = session.keyframes().size();
 }
 
@@ -79,7 +79,10 @@ void BoundedAdmission::submit(Keyframe keyframe, const GraphSession& session, Pl
   }
   const Pose2 predicted = session.predict(keyframe);
   const MapMatch match = match_map(keyframe, predicted, session);
-  if (keyframe.new_segment && !lost()) lose(session);
+  const bool new_session = session.begins_session(keyframe);
+  // What waits of another session has no more to wait for.
+  if (!state_.waiting.empty() && state_.waiting.back().session != keyframe.session) admit_waiting();
+  if (new_session || (keyframe.new_segment && !lost())) lose(session, new_session);
   const bool shown = match.overlap > (match.around >= kShownKeyframes ? kShownOverlap : kShownByOneOverlap);
   if (lost() || !shown) return defer(std::move(keyframe), match, predicted, session, places);
   // The way here was right: what waits stands where it was thought to.
@@ -111,7 +114,7 @@ void BoundedAdmission::defer(Keyframe keyframe, const MapMatch& match, const Pos
   // It may be another place: what comes now hangs on what was before by no more than a guess, until loops tell.
   if (!state_.candidates.empty() && !lost()) {
     state_.waiting.front().new_segment = true;
-    lose(session);
+    lose(session, false);
   }
   admit_waiting();
 }

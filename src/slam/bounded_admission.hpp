@@ -59,7 +59,7 @@ class BoundedAdmission final : public KeyframeAdmission {
   MapMatch match_map(const Keyframe& keyframe, const Pose2& predicted, const GraphSession& session);
   const LocalMap& surroundings(int node, const GraphSession& session);
   bool lost() const { return state_.unfit_m >= GraphSession::kBreakM; }
-  void lose(const GraphSession& session);
+  void lose(const GraphSession& session, bool new_session);
 
   SlamOptions options_;
   AdmissionState state_;

@@ -15,7 +15,8 @@ std::vector<char> drawn_keyframes(const MapPieces& pieces, bool largest_alone) {
   return drawn;
 }
 
-/// Of each scan: 0 where it stands in a piece that is not drawn.
+}  // namespace
+
 std::vector<char> scans_on_map(const Backend& backend, const ScanLedger& ledger, const std::vector<char>& drawn) {
   std::vector<char> on(ledger.records.size(), 1);
   for (std::size_t i = 0; i < on.size(); ++i) {
@@ -25,6 +26,8 @@ std::vector<char> scans_on_map(const Backend& backend, const ScanLedger& ledger,
   }
   return on;
 }
+
+namespace {
 
 /// Panes, but for what lies where the robot drove on this map.
 std::vector<GlassPane> panes_off_the_way(std::vector<GlassPane> panes, const std::vector<Pose2>& poses,
@@ -38,17 +41,18 @@ std::vector<GlassPane> panes_off_the_way(std::vector<GlassPane> panes, const std
   return panes;
 }
 
-/// Draws the map, and looks for glass in it.
-void draw(const Backend& backend, const std::vector<Pose2>& poses, bool refined, const std::vector<char>& on_map,
-          const SlamOptions& options, SlamResult& result) {
+}  // namespace
+
+void draw_result(const Backend& backend, const std::vector<Pose2>& poses, bool refined, const Pose2& T_drawn_map,
+                 const std::vector<char>& on_map, const SlamOptions& options, SlamResult& result) {
   std::vector<std::size_t> drawn;
   for (std::size_t i = 0; i < result.drawn.size(); ++i) {
     if (result.drawn[i]) drawn.push_back(i);
   }
   const auto placed = [&](std::size_t k) {
     const Keyframe& keyframe = backend.keyframes()[drawn[k]];
-    const Pose2 T_map_stamp =
-        refined ? poses[static_cast<std::size_t>(keyframe.scan)] : backend.poses()[drawn[k]] * keyframe.T_mid_stamp;
+    const Pose2 T_map_stamp = refined ? poses[static_cast<std::size_t>(keyframe.scan)]
+                                      : T_drawn_map * backend.poses()[drawn[k]] * keyframe.T_mid_stamp;
     return place_keyframe(keyframe, T_map_stamp, options.odometry.deskew);
   };
   OccupancyGrid grid(options.map);
@@ -64,8 +68,6 @@ void draw(const Backend& backend, const std::vector<Pose2>& poses, bool refined,
     for (const std::size_t cell : cells_of(result.map, pane)) result.map.cells[cell] = CellState::kOccupied;
   }
 }
-
-}  // namespace
 
 PlacedScan place_keyframe(const Keyframe& keyframe, const Pose2& T_map_stamp, bool deskew) {
   PlacedScan placed;
@@ -88,7 +90,7 @@ std::vector<MapKeyframe> map_keyframes(const Backend& backend) {
   return keyframes;
 }
 
-SlamResult make_result(const Backend& backend, const ScanLedger& ledger, std::vector<Pose2> poses, bool refined,
+SlamResult make_result(const Backend& backend, const ScanLedger& ledger, const std::vector<Pose2>& poses, bool refined,
                        const SlamOptions& options) {
   SlamResult result;
   const MapPieces pieces = backend.pieces();
@@ -98,7 +100,7 @@ SlamResult make_result(const Backend& backend, const ScanLedger& ledger, std::ve
   for (const PoseEdge& edge : backend.graph().edges()) result.edges.push_back(map_edge(edge));
   result.loops = backend.loop_counts();
   const std::vector<char> on_map = scans_on_map(backend, ledger, result.drawn);
-  draw(backend, poses, refined, on_map, options, result);
+  draw_result(backend, poses, refined, {}, on_map, options, result);
   const std::vector<Pose2> keyframe_odometry = backend.submitted_poses(true);
   const std::vector<Pose2> odometry = poses_of_scans(ledger, keyframe_odometry, keyframe_odometry);
   result.scans.reserve(poses.size());

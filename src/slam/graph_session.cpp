@@ -23,6 +23,8 @@ constexpr double kMetresPerSigma = 100;  // what lies above it: errors along one
 constexpr double kStepWeakM = 1.0, kStepWeakRad = 0.5;
 constexpr double kBreakInformation =
     0.1;  // of the guess that ties a node to the one before a break, each of x, y, theta
+// Of the place where a new session is put, each of x, y: it is kilometres off the one where it belongs.
+constexpr double kBesideM = 1000.0, kSessionInformation = 1e-7;
 
 constexpr double kOutOfReachM = 1.0;   // a loop that is off by more has no weight left under the robust kernel
 constexpr double kNoKernel = 1e6;      // width of the kernel in standard deviations: no loop is that far off
@@ -34,7 +36,15 @@ constexpr double kTakeBack = 0.3;      // share of loops.undo_chi2 below which a
 GraphSession::GraphSession(const LoopOptions& options, GraphSessionState state)
     : options_(options), state_(std::move(state)) {}
 
+/// Where a new session is put until it is known where it belongs: so far off that nothing there passes for near.
+Pose2 GraphSession::beside_the_map() const {
+  double right = poses().front().x;
+  for (const Pose2& pose : poses()) right = std::max(right, pose.x);
+  return {right + kBesideM, 0.0, 0.0};
+}
+
 Pose2 GraphSession::predict(const Keyframe& keyframe) const {
+  if (begins_session(keyframe)) return beside_the_map() * keyframe.T_odom_base;
   const SubmittedKeyframe& last = state_.submitted.back();
   return poses()[static_cast<std::size_t>(last.node)] * last.T_node_keyframe() *
          (state_.T_odom_last.inverse() * keyframe.T_odom_base);
@@ -51,6 +61,7 @@ void GraphSession::submit(const Keyframe& keyframe, int node, const Pose2& T_nod
                               static_cast<float>(T_node_keyframe.theta), static_cast<float>(T_odom.x),
                               static_cast<float>(T_odom.y), static_cast<float>(T_odom.theta)});
   state_.T_odom_last = T_odom;
+  state_.last_session = keyframe.session;
 }
 
 int GraphSession::insert_node(Keyframe keyframe) {
@@ -60,7 +71,9 @@ int GraphSession::insert_node(Keyframe keyframe) {
     state_.travelled_m.push_back(0.0);
   } else {
     const SubmittedKeyframe& last = state_.submitted.back();
-    const Pose2 step = last.T_node_keyframe() * (state_.T_odom_last.inverse() * keyframe.T_odom_base);
+    const Pose2 step = begins_session(keyframe)
+                           ? poses()[static_cast<std::size_t>(last.node)].inverse() * predict(keyframe)
+                           : last.T_node_keyframe() * (state_.T_odom_last.inverse() * keyframe.T_odom_base);
     node = state_.graph.add_node(poses()[static_cast<std::size_t>(last.node)] * step);
     add_step(keyframe, node, step);
   }
@@ -70,15 +83,20 @@ int GraphSession::insert_node(Keyframe keyframe) {
 }
 
 void GraphSession::add_step(const Keyframe& keyframe, int node, const Pose2& step) {
-  const double way =
-      std::hypot(step.x, step.y) + kMetresPerRad * std::abs(step.theta) + (keyframe.new_segment ? kBreakM : 0.0);
+  const bool session = begins_session(keyframe);
+  const double way = std::hypot(step.x, step.y) + kMetresPerRad * std::abs(step.theta) +
+                     (session                ? kSessionM
+                      : keyframe.new_segment ? kBreakM
+                                             : 0.0);
   state_.unconfirmed_m += way;
   state_.travelled_m.push_back(state_.travelled_m.back() + way);
   PoseEdge edge;
   edge.from = state_.submitted.back().node;
   edge.to = node;
   edge.T_from_to = step;
-  if (keyframe.new_segment) {
+  if (session) {
+    edge.information = Eigen::Vector3d(kSessionInformation, kSessionInformation, kBreakInformation).asDiagonal();
+  } else if (keyframe.new_segment) {
     edge.information = Eigen::Vector3d::Constant(kBreakInformation).asDiagonal();
   } else {
     edge.information = edge_information(keyframe.information, kStepWeakM, kStepWeakRad);

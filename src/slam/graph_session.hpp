@@ -51,6 +51,7 @@ struct GraphSessionState {
   std::size_t new_edges = 0;      ///< loops added since the last optimisation
   bool large_correction = false;  ///< one of them moves the map by more than loops.small_error_m
   std::vector<int> large_loops;   ///< edges that are out of reach of the robust kernel
+  std::int32_t last_session = 0;  ///< of the keyframe submitted last
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -65,6 +66,7 @@ struct GraphSessionState {
     v("new_edges", self.new_edges);
     v("large_correction", self.large_correction);
     v("large_loops", self.large_loops);
+    v("last_session", self.last_session);
   }
 };
 
@@ -74,6 +76,8 @@ class GraphSession {
  public:
   /// Way that a break of tracking counts for [m]: after it the map may be off by as much as loops.most_drift allows.
   static constexpr double kBreakM = 100.0;
+  /// The same of a new session, which may be anywhere: most_drift of it is more than any map measures.
+  static constexpr double kSessionM = 1e5;
 
   explicit GraphSession(const LoopOptions& options, GraphSessionState state = {});
 
@@ -106,6 +110,14 @@ class GraphSession {
   const std::vector<Pose2>& poses() const { return state_.graph.poses(); }
   const std::vector<SubmittedKeyframe>& submitted() const { return state_.submitted; }
   double travelled_m(int node) const { return state_.travelled_m[static_cast<std::size_t>(node)]; }
+  /// Whether a keyframe is of another drive than the one submitted last.
+  bool begins_session(const Keyframe& keyframe) const {
+    return !state_.submitted.empty() && keyframe.session != state_.last_session;
+  }
+  bool crosses_sessions(const PoseEdge& edge) const {
+    return state_.keyframes[static_cast<std::size_t>(edge.from)].session !=
+           state_.keyframes[static_cast<std::size_t>(edge.to)].session;
+  }
   double unconfirmed_m() const { return state_.unconfirmed_m; }
   int last_node() const { return static_cast<int>(state_.keyframes.size()) - 1; }
   /// How often it was optimised: between two times no pose of a node changes.
@@ -114,6 +126,7 @@ class GraphSession {
 
  private:
   void submit(const Keyframe& keyframe, int node, const Pose2& T_node_keyframe);
+  Pose2 beside_the_map() const;
   void add_step(const Keyframe& keyframe, int node, const Pose2& step);
   /// Loops that agree and ask for a large correction are past the reach of the robust kernel: without it the graph is
   /// drawn there. Where steps of tracking would be off by more than they can be, these loops are taken out again.

@@ -11,6 +11,8 @@ constexpr double kReorderedS = 1.0;  // [s] stamps that go back by less are logg
 constexpr double kGapS = 10.0;       // [s] without a scan
 constexpr double kFewShare = 0.2;    // of the beams that have a range
 // What a robot may do between two scans: way and turn at once, and its speed over a pause. Beyond it, odometry jumped.
+constexpr double kMovedM = 0.02,
+                 kMovedRad = 0.01;  // more than wheels creep at a stand; it changes the ranges of every sensor
 constexpr double kLeapM = 2.0, kLeapRad = 2.0, kFastestMps = 3.0, kTurnPauseS = 1.0;
 
 std::uint64_t fingerprint_of(const Scan& scan) {
@@ -73,6 +75,14 @@ void check_odometry(const InputCheckState& state, const Pose2& odometry, Stamp s
                        std::to_string(std::llround(rad_to_deg(turn))) + " deg; it is not followed"});
 }
 
+/// Whether the wheels say that the robot moved since the last measurement.
+bool has_moved(const InputCheckState& state, const RangeMeasurement& measurement) {
+  if (!state.odometry || !measurement.T_odom_base) return false;
+  const Pose2 step = state.odometry->inverse() * *measurement.T_odom_base;
+  const double way = std::hypot(step.x, step.y), turn = std::abs(step.theta);
+  return (way > kMovedM || turn > kMovedRad) && way < kLeapM && turn < kLeapRad;
+}
+
 }  // namespace
 
 void note_oddity(InputCheckState& state, const OddityNote& note, ScanId scan) {
@@ -93,6 +103,12 @@ InputVerdict check_input(InputCheckState& state, const RangeMeasurement& measure
     verdict.repeated = scan.stamp == last.stamp && scan.size() == last.beams && fingerprint == last.fingerprint &&
                        scan.hit_count() > 0;
     check_stamps(last, scan, verdict.repeated, verdict.notes);
+    if (scan.stamp != last.stamp && fingerprint == last.fingerprint && scan.size() == last.beams &&
+        has_moved(state, measurement)) {
+      verdict.notes.push_back({"frozen scan", false,
+                               "the ranges of the scan before under a new stamp, while the wheels moved: the driver "
+                               "repeats itself"});
+    }
   } else if (!state.lasers.empty()) {
     verdict.notes.push_back({"several lasers", false, "a second laser, " + measurement.laser + "; both are used"});
   }

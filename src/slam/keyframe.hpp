@@ -25,6 +25,7 @@ struct Keyframe {
   Pose2 T_base_laser;                                ///< at its scan's stamp
   Twist2 twist;                                      ///< of the base during its turn
   Pose2 T_mid_stamp;                                 ///< the base at the scan's first beam, seen from mid-scan
+  std::int32_t session = 0;                          ///< which drive: nothing but loops ties one to another
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< mean of its points: what it looks at, frame of the base
 
   /// The scan; empty where none is kept.
@@ -43,6 +44,7 @@ struct Keyframe {
     v("T_base_laser", self.T_base_laser);
     v("twist", self.twist);
     v("T_mid_stamp", self.T_mid_stamp);
+    v("session", self.session);
     v("centre", self.centre);
   }
 };

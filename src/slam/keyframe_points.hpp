@@ -18,6 +18,8 @@ class KeyframePoints {
   /// @param out  overwritten; keeps its memory. @cost about 5 ns a point
   void unpack(MapPoints& out) const;
   std::size_t size() const { return codes_.size() / 5; }
+  /// Whether `unpack` can be asked for: of what was read from a file.
+  bool is_sound() const { return codes_.size() % 5 == 0 && step_m_ >= 0.0F && step_m_ < 30.0F; }
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {

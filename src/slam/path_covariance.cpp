@@ -16,11 +16,14 @@ constexpr double kMapShare = 25.0;
 constexpr double kFloorM = 0.002, kFloorRad = 0.0007;
 constexpr double kWeakM = 0.2, kWeakRad = 0.1;
 constexpr double kBreakM = 3.0, kBreakRad = 3.0;  // of the guess that ties a node to the one before a break
+constexpr double kSessionM = 3000.0;              // of the place where a new session is put
 // Of tracking that turns too much or too little all the time [rad/m]: half of the worst recorded log.
 constexpr double kTurning = 0.00035;
 constexpr double kLeverM = 10.0;  // a radian counts for as many metres, when ways are compared: half of a large room
 
-Eigen::Matrix3d step_covariance(const Keyframe& to) {
+Eigen::Matrix3d step_covariance(const Keyframe& to, bool new_session) {
+  if (new_session)
+    return Eigen::Vector3d(kSessionM * kSessionM, kSessionM * kSessionM, kBreakRad * kBreakRad).asDiagonal();
   if (to.new_segment) return Eigen::Vector3d(kBreakM * kBreakM, kBreakM * kBreakM, kBreakRad * kBreakRad).asDiagonal();
   const Eigen::Matrix3d weak =
       Eigen::Vector3d(1.0 / (kWeakM * kWeakM), 1.0 / (kWeakM * kWeakM), 1.0 / (kWeakRad * kWeakRad)).asDiagonal();
@@ -31,9 +34,11 @@ Eigen::Matrix3d step_covariance(const Keyframe& to) {
 
 }  // namespace
 
-void PathCovariance::hang(const PoseEdge& edge, const Keyframe& to) {
+void PathCovariance::hang(const PoseEdge& edge, const GraphSession& session) {
+  const Keyframe& to = session.keyframes()[static_cast<std::size_t>(edge.to)];
   const Node& parent = node(edge.from);
-  const Eigen::Matrix3d covariance = edge.robust ? Eigen::Matrix3d(edge.information.inverse()) : step_covariance(to);
+  const Eigen::Matrix3d covariance =
+      edge.robust ? Eigen::Matrix3d(edge.information.inverse()) : step_covariance(to, session.crosses_sessions(edge));
   const double length = parent.length + covariance(0, 0) + covariance(1, 1) + kLeverM * kLeverM * covariance(2, 2);
   Node& n = nodes_[static_cast<std::size_t>(edge.to)];
   if (n.parent >= 0 && length >= n.length) return;
@@ -53,7 +58,7 @@ void PathCovariance::rebuild(const GraphSession& session) {
     if (edge.enabled && edge.from < edge.to) edges[static_cast<std::size_t>(edge.to)].push_back(&edge);
   }
   for (const auto& to_node : edges) {
-    for (const PoseEdge* edge : to_node) hang(*edge, session.keyframes()[static_cast<std::size_t>(edge->to)]);
+    for (const PoseEdge* edge : to_node) hang(*edge, session);
   }
   edges_taken_ = session.graph().edges().size();
 }
@@ -66,7 +71,7 @@ void PathCovariance::append(const GraphSession& session) {
     const auto newest = static_cast<int>(nodes_.size()) - 1;
     if (!edge.enabled || edge.from >= edge.to || edge.to < newest) continue;
     if (edge.to > newest) nodes_.push_back({.pose = session.poses()[static_cast<std::size_t>(edge.to)]});
-    hang(edge, session.keyframes()[static_cast<std::size_t>(edge.to)]);
+    hang(edge, session);
   }
 }
 

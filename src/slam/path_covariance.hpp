@@ -39,7 +39,7 @@ class PathCovariance {
     Pose2 pose;           ///< on the map when it was taken in
     Sums sums = {};
   };
-  void hang(const PoseEdge& edge, const Keyframe& to);
+  void hang(const PoseEdge& edge, const GraphSession& session);
   const Node& node(int k) const { return nodes_[static_cast<std::size_t>(k)]; }
 
   std::vector<Node> nodes_;

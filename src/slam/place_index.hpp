@@ -36,6 +36,10 @@ class PlaceIndex {
   /// @cost  3 ns a place and 0.15 us a place compared over all turns
   std::vector<PlaceHit> most_alike(const PlaceDescriptor& query, std::size_t count, std::size_t limit = 0) const;
   std::size_t size() const { return squares_.size(); }
+  /// Whether it has as many numbers as places: of what was read from a file.
+  bool is_sound() const {
+    return numbers_.size() == kDescriptorSize * squares_.size() && turning_.size() == kTurningSize * squares_.size();
+  }
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -53,9 +54,16 @@ struct ScanLedger {
   static constexpr int kVersion = 1;
   std::vector<ScanRecord> records;
   std::vector<PackedCovariance>
-      covariances;                   ///< of each scan's pose as it was known then; empty in bounded-memory mode
-  std::vector<std::int32_t> breaks;  ///< keyframes at which a new local map was begun
-  std::int32_t keyframes = 0;        ///< so far
+      covariances;                     ///< of each scan's pose as it was known then; empty in bounded-memory mode
+  std::vector<std::int32_t> breaks;    ///< keyframes at which a new local map was begun
+  std::int32_t keyframes = 0;          ///< so far
+  std::vector<std::int64_t> sessions;  ///< the first scan of each session but the first
+
+  /// The drive that a scan is of, from 0.
+  std::size_t session_of(std::size_t scan) const {
+    return static_cast<std::size_t>(
+        std::upper_bound(sessions.begin(), sessions.end(), static_cast<std::int64_t>(scan)) - sessions.begin());
+  }
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -63,6 +71,7 @@ struct ScanLedger {
     v("covariances", self.covariances);
     v("breaks", self.breaks);
     v("keyframes", self.keyframes);
+    v("sessions", self.sessions);
   }
 };
 

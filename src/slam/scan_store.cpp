@@ -74,6 +74,24 @@ Scan StoredScan::scan() const {
   return scan;
 }
 
+bool StoredScan::is_sound() const {
+  if (!kind_ || !T_base_laser_.is_finite() || (!kind_->angles.empty() && kind_->angles.size() != beams_)) return false;
+  std::size_t at = 0;
+  std::int64_t code = 0;
+  for (std::uint32_t i = 0; i < beams_; ++i) {
+    std::uint32_t step = 0;
+    for (int shift = 0;; shift += 7) {
+      if (at == codes_.size() || shift > 14) return false;
+      const std::uint32_t byte = codes_[at++];
+      step |= (byte & 0x7FU) << shift;
+      if (byte < 0x80U) break;
+    }
+    code += unfold(step);
+    if (code < 1 || code > kLargest + static_cast<int>(BeamState::kInvalid)) return false;
+  }
+  return at == codes_.size();
+}
+
 std::size_t ScanStore::add(const Scan& scan, const Pose2& T_base_laser) {
   // The newest kinds are looked at first; a log whose every scan has its own angles makes one kind per scan.
   std::shared_ptr<const ScanKind> kind;

@@ -32,8 +32,11 @@ struct ScanKind {
 /// intensities are not kept. Immutable, so that it is shared between threads.
 class StoredScan {
  public:
+  StoredScan() = default;  ///< of no beams; only to be read into
   StoredScan(const Scan& scan, const Pose2& T_base_laser, std::shared_ptr<const ScanKind> kind);
   Scan scan() const;
+  /// Whether `scan` can be asked for: of what was read from a file.
+  bool is_sound() const;
   const Pose2& T_base_laser() const { return T_base_laser_; }  ///< of this scan: a mounting may jitter or pan
 
   template <class Self, class Visitor>

@@ -6,29 +6,22 @@
 #include <utility>
 
 #include "odometry/information.hpp"
-#include "odometry/checked_tracker.hpp"
 #include "slam/finished_map.hpp"
 #include "slam/map_view.hpp"
+#include "slam/result_parts.hpp"
 #include "slam/run_findings.hpp"
-#include "slam/slam_state.hpp"
+#include "slam/slam_impl.hpp"
 #include "slam/trajectory_refinement.hpp"
 
 namespace phasescan {
 namespace {
 
-// Scans that are held until it is known whether the robot is in the laser's view: minutes of driving.
-constexpr std::size_t kMostHeld = 3000;
 constexpr double kMostAheadS = 1.0;  // [s] that predict() looks from the last scan
 
 void check(const RangeMeasurement& measurement) {
   if (!measurement.T_base_laser.is_finite()) throw std::invalid_argument("measurement.T_base_laser: not finite");
   if (measurement.T_odom_base && !measurement.T_odom_base->is_finite())
     throw std::invalid_argument("measurement.T_odom_base: not finite");
-}
-
-const SlamOptions& validated(const SlamOptions& options) {
-  options.validate();
-  return options;
 }
 
 Keyframe to_keyframe(const TrackedKeyframe& tracked, ScanId scan) {
@@ -50,66 +43,6 @@ Keyframe to_keyframe(const TrackedKeyframe& tracked, ScanId scan) {
 
 }  // namespace
 
-struct Slam::Impl {
-  Impl(const SlamOptions& o, Schedule when, Executor* beside)
-      : options(validated(o)),
-        schedule(when),
-        executor(beside),
-        tracker(o.odometry, {}, {}, o.match),
-        runner(std::make_unique<BackendRunner>(o, BackendState{}, when, beside)),
-        own_body(o.match) {}
-  Impl(const SlamState::Data& s, const SlamOptions& o, Schedule when, Executor* beside)
-      : options(validated(o)),
-        schedule(when),
-        executor(beside),
-        tracker(o.odometry, s.odometry, s.suspects, o.match),
-        runner(std::make_unique<BackendRunner>(o, s.backend, when, beside)),
-        own_body(o.match),
-        state(s) {
-    // Tracker and runner hold these now: no second copy of keyframes and graph stays as old as the checkpoint.
-    state.odometry = {};
-    state.suspects = {};
-    state.backend = {};
-    runner->set_pending(std::move(state.pending));
-  }
-
-  ScanUpdate track(const RangeMeasurement& measurement, bool repeated);
-  ScanUpdate track_scene(const RangeMeasurement& measurement, bool repeated);
-  bool look_for_body(const RangeMeasurement& measurement, bool repeated);
-  ScanUpdate begin_anew();
-  ScanUpdate repeat(const RangeMeasurement& measurement);
-  void take_keyframes(const TrackerStep& step, const RangeMeasurement& measurement);
-  void take_keyframe(const TrackedKeyframe& tracked, const KeptScan& scan);
-  void take_first(const TrackedKeyframe& tracked);
-  void settle(const SettledScan& settled);
-  KeptScan keep_settled(const RangeMeasurement& measurement, ScanId scan);
-  const KeptScan& keep(const RangeMeasurement& measurement);
-  void record(const TrackerStep& step, const RangeMeasurement& measurement, const ScanUpdate& update);
-  void hand_over();
-  void hand_over_full_batch();
-  void enter(std::shared_ptr<const BackendResult> result);
-  ScanUpdate update_of(const TrackerStep& step, Stamp stamp) const;
-  void report(ScanId scan, const std::vector<OddityNote>& notes) const;
-  void take_note(ScanId scan, const OddityNote& note);
-
-  bool bounded() const { return options.slam.bounded_memory; }
-  /// Whether every scan is kept, and not the keyframes' alone.
-  bool keeps_all() const { return options.slam.polish && !bounded(); }
-  ScanId next_scan() const { return static_cast<ScanId>(state.ledger.records.size()); }
-
-  SlamOptions options;
-  Schedule schedule;
-  Executor* executor;
-  CheckedTracker tracker;
-  std::unique_ptr<BackendRunner> runner;
-  OwnBody own_body;
-  SlamState::Data state;  // but for odometry and backend, which tracker and runner hold
-  SlamObserver* observer = nullptr;
-  double backend_cpu_s = 0.0;
-  bool finished = false;
-  KeptScan kept{-1, nullptr, nullptr};  // the measurement in work, once it was kept
-};
-
 ScanUpdate Slam::Impl::track(const RangeMeasurement& measurement, bool repeated) {
   if (repeated) return repeat(measurement);
   const ScanId scan = next_scan();
@@ -126,50 +59,6 @@ ScanUpdate Slam::Impl::track(const RangeMeasurement& measurement, bool repeated)
   record(step, measurement, update);
   state.last = update;
   return update;
-}
-
-/// @return true where this scan showed that the robot itself is in the view of its laser
-bool Slam::Impl::look_for_body(const RangeMeasurement& measurement, bool repeated) {
-  OwnBodyState& body = state.bodies[measurement.laser];
-  if (body.decided && state.beginning.empty()) return false;
-  const ScanId scan = next_scan();
-  if (state.beginning.size() == static_cast<std::size_t>(scan) && state.beginning.size() < kMostHeld) {
-    state.beginning.push_back({measurement, repeated});
-    state.beginning.back().measurement.scan.intensities.clear();
-  } else {
-    state.beginning = {};
-  }
-  if (repeated || !own_body.add(measurement.scan, body) || body.sectors.empty()) return false;
-  const OddityNote note{"own body", false,
-                        "the robot itself is seen in " + format_sectors(body.sectors) +
-                            " of the laser's frame, whatever the scene; these beams are left out"};
-  take_note(scan, note);
-  return true;
-}
-
-/// All measurements once more, without the beams that see the robot: it held the poses.
-ScanUpdate Slam::Impl::begin_anew() {
-  runner->wait();
-  tracker = CheckedTracker(options.odometry, {}, {}, options.match);
-  runner = std::make_unique<BackendRunner>(options, BackendState{}, schedule, executor);
-  SlamState::Data fresh;
-  fresh.input = std::move(state.input);
-  fresh.bodies = std::move(state.bodies);
-  fresh.beginning = std::move(state.beginning);
-  state = std::move(fresh);
-  kept = {-1, nullptr, nullptr};
-  ScanUpdate update;
-  for (const HeldMeasurement& held : state.beginning) update = track_scene(held.measurement, held.repeated);
-  return update;
-}
-
-/// Tracks what is no part of the robot.
-ScanUpdate Slam::Impl::track_scene(const RangeMeasurement& measurement, bool repeated) {
-  const std::vector<BodySector>& sectors = state.bodies[measurement.laser].sectors;
-  if (sectors.empty()) return track(measurement, repeated);
-  RangeMeasurement scene = measurement;
-  scene.scan = without_sectors(measurement.scan, sectors);
-  return track(scene, repeated);
 }
 
 ScanUpdate Slam::Impl::repeat(const RangeMeasurement& measurement) {
@@ -205,7 +94,9 @@ void Slam::Impl::take_keyframe(const TrackedKeyframe& tracked, const KeptScan& s
   Keyframe keyframe = to_keyframe(tracked, scan.scan);
   keyframe.stored = scan.stored;
   keyframe.own_scan = scan.own;
-  if (tracked.new_segment) state.ledger.breaks.push_back(state.ledger.keyframes);
+  keyframe.session = static_cast<std::int32_t>(state.ledger.sessions.size());
+  if (keyframe.session > 0 && state.ledger.keyframes == state.session_keyframe) keyframe.new_segment = true;
+  if (keyframe.new_segment) state.ledger.breaks.push_back(state.ledger.keyframes);
   if (observer) observer->on_keyframe(state.ledger.keyframes, tracked.T_odom_base, scan.scan);
   state.T_odom_keyframe = tracked.T_odom_base;
   ++state.ledger.keyframes;
@@ -232,7 +123,7 @@ void Slam::Impl::settle(const SettledScan& settled) {
   for (auto i = static_cast<std::size_t>(id); i < state.ledger.records.size(); ++i) {
     ScanRecord& record = state.ledger.records[i];
     if (i > static_cast<std::size_t>(id) && !record.repeated) break;
-    record.keyframe = state.ledger.keyframes - 1;
+    record.keyframe = state.ledger.keyframes > state.session_keyframe ? state.ledger.keyframes - 1 : -1;
     record.set(state.T_odom_keyframe.inverse() * settled.step.T_odom_stamp);
     record.status = settled.step.status;
     record.left_out = settled.left_out;
@@ -267,7 +158,7 @@ const KeptScan& Slam::Impl::keep(const RangeMeasurement& measurement) {
 void Slam::Impl::record(const TrackerStep& step, const RangeMeasurement& measurement, const ScanUpdate& update) {
   ScanRecord record;
   record.stamp = measurement.scan.stamp;
-  record.keyframe = state.ledger.keyframes - 1;
+  record.keyframe = state.ledger.keyframes > state.session_keyframe ? state.ledger.keyframes - 1 : -1;
   record.set(state.T_odom_keyframe.inverse() * step.T_odom_stamp);
   record.status = step.status;
   if (keeps_all()) keep(measurement);
@@ -347,6 +238,7 @@ ScanUpdate Slam::add(const RangeMeasurement& measurement) {
   const bool undecided = std::any_of(self.state.bodies.begin(), self.state.bodies.end(),
                                      [](const auto& body) { return !body.second.decided; });
   if (!undecided) self.state.beginning = {};
+  if (self.state.beginning.empty()) self.state.session_start.reset();
   return update;
 }
 
@@ -367,25 +259,55 @@ void Slam::set_observer(SlamObserver* observer) {
   impl_->observer = observer;
 }
 
-SlamState Slam::checkpoint() {
-  Impl& self = *impl_;
-  if (self.finished) throw std::logic_error("Slam::checkpoint: the run is finished");
-  self.runner->wait();
-  auto data = std::make_shared<SlamState::Data>(self.state);
-  data->odometry = self.tracker.state();
-  data->suspects = self.tracker.suspects();
-  data->backend = self.runner->idle().state();
-  data->pending = self.runner->pending();
+std::shared_ptr<SlamState::Data> Slam::Impl::checkpoint() {
+  runner->wait();
+  auto data = std::make_shared<SlamState::Data>(state);
+  data->odometry = tracker.state();
+  data->suspects = tracker.suspects();
+  data->backend = runner->idle().state();
+  data->pending = runner->pending();
+  return data;
+}
 
-  return SlamState(std::move(data));
+SlamState Slam::checkpoint() {
+  if (impl_->finished) throw std::logic_error("Slam::checkpoint: the run is finished");
+  return SlamState(impl_->checkpoint());
+}
+
+/// What comes next is tracked as if nothing had come before.
+void Slam::Impl::begin_session() {
+  if (next_scan() == session_begin()) return;
+  settle_all();
+  state.earlier.add(tracker.state());
+  tracker = CheckedTracker(options.odometry, {}, {}, options.match);
+  state.input.lasers.clear();
+  state.input.odometry.reset();
+  state.bodies.clear();
+  state.beginning.clear();
+  state.T_odom_keyframe = {};
+  state.keyframe_covariance.setZero();
+  state.ledger.sessions.push_back(next_scan());
+  state.session_keyframe = state.ledger.keyframes;
+  state.session_start.reset();
+  state.session_start = checkpoint();
+}
+
+/// Nothing comes that those which wait could be judged by.
+void Slam::Impl::settle_all() {
+  for (const TrackedKeyframe& tracked : tracker.first_keyframe()) take_first(tracked);
+  for (const SettledScan& settled : tracker.finish()) settle(settled);
+}
+
+void Slam::begin_session() {
+  if (impl_->finished) throw std::logic_error("Slam::begin_session: the run is finished");
+  impl_->begin_session();
 }
 
 SlamResult Slam::finish() {
   Impl& self = *impl_;
   if (std::exchange(self.finished, true)) throw std::logic_error("Slam::finish: the run is finished already");
   const double before = thread_cpu_seconds();
-  for (const TrackedKeyframe& tracked : self.tracker.first_keyframe()) self.take_first(tracked);
-  for (const SettledScan& settled : self.tracker.finish()) self.settle(settled);
+  self.settle_all();
   self.runner->wait();
   self.runner->finish(std::exchange(self.state.batch, {}));
   const Backend& backend = self.runner->idle();
@@ -395,10 +317,12 @@ SlamResult Slam::finish() {
   const bool refined = self.keeps_all() && !ledger.records.empty();
   SlamOptions options = self.options;
   const DeskewTest& deskewing = self.tracker.state().deskew_test;
-  if (deskewing.refuted()) options.odometry.deskew = false;
-  if (refined) poses = refine_trajectory(backend, self.state.store, poses, ledger.records, options.odometry);
-  SlamResult result = make_result(backend, ledger, std::move(poses), refined, options);
-  result.wheels = self.tracker.state().motion.wheels.counts;
+  if (deskewing.refuted() || self.state.earlier.deskewing_refuted) options.odometry.deskew = false;
+  if (refined) poses = refine_trajectory(backend, self.state.store, poses, ledger, options.odometry);
+  SlamResult result = make_result(backend, ledger, poses, refined, options);
+  make_parts(backend, ledger, poses, refined, options, result);
+  self.state.earlier.add(self.tracker.state());
+  result.wheels = self.state.earlier.wheels;
   result.oddities = self.state.input.oddities;
   result.deskewed = options.odometry.deskew;
   result.findings = run_findings(result, self.state.bodies, self.state.input);

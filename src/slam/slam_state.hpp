@@ -41,6 +41,28 @@ struct HeldMeasurement {
   }
 };
 
+/// What earlier sessions leave to be told at the end.
+struct EarlierSessions {
+  WheelCounts wheels;
+  bool deskewing_refuted = false;
+
+  void add(const OdometryState& end) {
+    const WheelCounts& counts = end.motion.wheels.counts;
+    wheels.steps += counts.steps;
+    wheels.agreed += counts.agreed;
+    wheels.reversed += counts.reversed;
+    wheels.slipped += counts.slipped;
+    wheels.jumped += counts.jumped;
+    deskewing_refuted = deskewing_refuted || end.deskew_test.refuted();
+  }
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("wheels", self.wheels);
+    v("deskewing_refuted", self.deskewing_refuted);
+  }
+};
+
 /// All that is needed to go on with the same bytes; caches (local maps, indices, matchers) are made anew.
 struct SlamState::Data {
   static constexpr int kVersion = 1;
@@ -62,18 +84,31 @@ struct SlamState::Data {
   std::optional<KeptScan> first;                 ///< the first tracked scan, while its keyframe waits for the next one
   std::shared_ptr<const BackendResult> entered;  ///< what the tracker's side sees of the map; null before the first
   std::shared_ptr<const BackendResult> pending;  ///< the result of the last batch, which has not entered yet
+  EarlierSessions earlier;
+  std::int32_t session_keyframe = 0;  ///< keyframes before this session
+  /// All as it was when this session began, while it may begin anew; null in the first session.
+  std::shared_ptr<const Data> session_start;
 
+  /// Calls v(section, fields) for each section of a file; fields(visitor) names what is in it.
+  template <class Self, class Visitor>
+  static void visit_sections(Self& self, Visitor&& v) {
+    v("scans", [&self](auto& to) { to("store", self.store); });
+    v("ledger", [&self](auto& to) { to("ledger", self.ledger); });
+    v("map", [&self](auto& to) { to("backend", self.backend); });
+    v("tracking", [&self](auto& to) { visit_tracking(self, to); });
+  }
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
+    visit_sections(self, [&v](const char*, const auto& fields) { fields(v); });
+  }
+  template <class Self, class Visitor>
+  static void visit_tracking(Self& self, Visitor&& v) {
     v("odometry", self.odometry);
     v("suspects", self.suspects);
     v("suspect_ids", self.suspect_ids);
     v("bodies", self.bodies);
     v("beginning", self.beginning);
-    v("backend", self.backend);
     v("input", self.input);
-    v("ledger", self.ledger);
-    v("store", self.store);
     v("batch", self.batch);
     v("last", self.last);
     v("T_odom_keyframe", self.T_odom_keyframe);
@@ -81,6 +116,9 @@ struct SlamState::Data {
     v("first", self.first);
     v("entered", self.entered);
     v("pending", self.pending);
+    v("earlier", self.earlier);
+    v("session_keyframe", self.session_keyframe);
+    v("session_start", self.session_start);
   }
 };
 

@@ -19,9 +19,7 @@ void SnapshotPublisher::take_loops(const GraphSession& session) {
 void SnapshotPublisher::publish(std::uint64_t version, const GraphSession& session, const Connectivity& connectivity,
                                 const Eigen::Matrix3d& covariance) {
   for (std::size_t i = nodes_.size(); i < session.keyframes().size(); ++i) {
-    const Keyframe& keyframe = session.keyframes()[i];
-    nodes_.push_back({keyframe.stored, keyframe.own_scan, keyframe.scan, keyframe.T_mid_stamp, keyframe.T_base_laser,
-                      keyframe.twist});
+    nodes_.push_back(node_of(session.keyframes()[i]));
   }
   take_loops(session);
   auto snapshot = std::make_shared<BackendSnapshot>();

@@ -22,8 +22,9 @@ constexpr double kGateM = 0.2;                             // [m] distance at wh
 /// listed last to first; zero where the times between them tell nothing. Messages that repeat another are no scans of
 /// their own, and neither are scans that were left out.
 /// @param before  the last scan that was neither
-Twist2 turn_twist(std::span<const ScanRecord> records, std::span<const Pose2> guess, std::size_t scan,
-                  std::size_t before, double time_increment, const ScanTiming& timing) {
+Twist2 turn_twist(const ScanLedger& ledger, std::span<const Pose2> guess, std::size_t scan, std::size_t before,
+                  double time_increment, const ScanTiming& timing) {
+  const std::vector<ScanRecord>& records = ledger.records;
   std::size_t from = scan, to = scan;
   if (time_increment < 0.0) {
     from = before;
@@ -32,6 +33,7 @@ Twist2 turn_twist(std::span<const ScanRecord> records, std::span<const Pose2> gu
     while (to < records.size() && (records[to].repeated || records[to].left_out));
   }
   if (timing.duration_s <= 0.0 || timing.period_s <= 0.0 || to >= records.size()) return {};
+  if (ledger.session_of(from) != ledger.session_of(to)) return {};
   const double step_s = stamp_to_seconds(records[to].stamp - records[from].stamp);
   if (step_s <= kLeastPeriods * timing.period_s || step_s >= kMostPeriods * timing.period_s) return {};
   return mean_twist(guess[from].inverse() * guess[to], step_s);
@@ -62,7 +64,8 @@ void place_between_neighbours(std::span<const ScanRecord> records, std::span<con
 }  // namespace
 
 std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& scans, std::span<const Pose2> guess,
-                                     std::span<const ScanRecord> records, const OdometryOptions& options) {
+                                     const ScanLedger& ledger, const OdometryOptions& options) {
+  const std::vector<ScanRecord>& records = ledger.records;
   std::vector<Pose2> out(guess.begin(), guess.end());
   LocalMap map;
   SurfaceWorkspace work;
@@ -85,7 +88,7 @@ std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& sc
       backend.build_surroundings(built_for, kMaxKeyframes, map);
     }
     Twist2 twist;
-    if (options.deskew) twist = turn_twist(records, guess, i, before, scan.time_increment, timing);
+    if (options.deskew) twist = turn_twist(ledger, guess, i, before, scan.time_increment, timing);
     before = i;
     const Pose2& T_base_laser = scans.T_base_laser(i);
     find_surface(scan, twist_of_frame(T_base_laser, twist), work, surface, kTrackingLines);

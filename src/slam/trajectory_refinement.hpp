@@ -11,13 +11,13 @@
 
 namespace phasescan {
 
-struct ScanRecord;
+struct ScanLedger;
 
 /// Without bounded memory only: every keyframe is a node, every scan is in the store.
 /// @param guess  pose of the base at each scan's stamp, on the map
 /// @return the same, better: a scan whose match moves it far, or does not succeed, keeps its pose
 /// @cost one registration per scan, one local map per keyframe
 std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& scans, std::span<const Pose2> guess,
-                                     std::span<const ScanRecord> records, const OdometryOptions& options);
+                                     const ScanLedger& ledger, const OdometryOptions& options);
 
 }  // namespace phasescan

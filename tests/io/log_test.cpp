@@ -1,9 +1,11 @@
 #include "phasescan/io/log.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -127,6 +129,53 @@ TEST(Carmen, FlaserSecondPoseIsOdometryOfTheBaseOnceTheOffsetIsKnown) {
   EXPECT_DOUBLE_EQ(mounted.T_base_laser.x, 0.5);
   EXPECT_NEAR(mounted.odometry->x, 1.5 - 0.5 * std::cos(0.25), 1e-12);
   EXPECT_NEAR(mounted.odometry->y, 2.5 - 0.5 * std::sin(0.25), 1e-12);
+}
+
+/// ODOM every `odom_s` and RAWLASER1 every 0.1 s for 6 s at 1 m/s; the scans' clock is `ahead_s` ahead.
+std::string slow_carmen_odometry(double odom_s, double ahead_s) {
+  std::string text;
+  double next = 0.0;
+  for (int k = 0; k <= 60; ++k) {
+    const double t = 0.1 * k;
+    if (t >= next - 1e-9) {
+      text += fmt::format("ODOM {:.3f} 0 0 1 0 0 {:.3f} host {:.3f}\n", t, 100.0 + t, t);
+      next += odom_s;
+    }
+    text += fmt::format("RAWLASER1 0 -1.0 2.0 0.5 10.0 0.01 0 4 1.0 2.0 2.0 2.5 0 {:.3f} host {:.3f}\n",
+                        100.0 + ahead_s + t, t);
+  }
+  return text;
+}
+
+TEST(Carmen, OdometrySlowerThanTheScansIsInterpolated) {
+  const test::TempFolder folder;
+  const ReadLog log = read_all(folder.put("l", slow_carmen_odometry(0.5, 0.03)));
+  EXPECT_TRUE(log.damages.empty());
+  ASSERT_EQ(log.entries.size(), 61U);
+  for (std::size_t k = 0; k < 60; ++k) {
+    ASSERT_TRUE(log.entries[k].odometry.has_value()) << k;
+    EXPECT_NEAR(log.entries[k].odometry->x, 0.1 * static_cast<double>(k) + 0.03, 1e-9) << k;
+  }
+}
+
+TEST(Carmen, OdometryThatIsTooRareOrOfAnotherClockIsNotUsed) {
+  const test::TempFolder folder;
+  const auto with = [](const ReadLog& log) {
+    return std::count_if(log.entries.begin(), log.entries.end(),
+                         [](const LogEntry& e) { return e.odometry.has_value(); });
+  };
+  const ReadLog rare = read_all(folder.put("l", slow_carmen_odometry(3.0, 0.0)));
+  EXPECT_LE(with(rare), 3 * 5) << "at its own time and 0.2 s about it";
+  EXPECT_EQ(rare.entries.size(), 61U);
+  const std::string path = folder.put("m", slow_carmen_odometry(0.1, 3600.0));
+  const auto reader = open_log(path);
+  std::size_t scans = 0, used = 0;
+  while (const auto entry = reader->next()) ++scans, used += entry->odometry.has_value();
+  EXPECT_EQ(scans, 61U);
+  EXPECT_EQ(used, 0U);
+  ASSERT_EQ(reader->remarks().size(), 1U);
+  EXPECT_EQ(reader->remarks()[0].kind, "odometry of another clock");
+  EXPECT_THAT(reader->remarks()[0].text, HasSubstr("3600.0 s before"));
 }
 
 TEST(Carmen, BothRobotLaserDialectsAndRawLaserGiveTheSameScan) {

@@ -137,5 +137,50 @@ TEST(JudgedLog, HoldsBackNoMoreThanItMust) {
   EXPECT_LE(mixed.given, 500U);
 }
 
+/// Scans every 0.1 s at x = t, every `n`-th with odometry.
+MadeLog every_nth(std::size_t scans, std::size_t n) {
+  MadeLog log;
+  for (std::size_t k = 0; k < scans; ++k) {
+    log.add(0.1 * static_cast<double>(k), std::nullopt, k % n == 0);
+    log.entries.back().scan.stamp = static_cast<Stamp>(k) * 100'000'000;
+  }
+  return log;
+}
+
+TEST(InterpolatedOdometry, ScansBetweenTwoWithOdometryGetWhatLiesBetween) {
+  MadeLog log = every_nth(30, 4);  // the last with odometry is 28
+  JudgedLog judged(log, true);
+  std::size_t k = 0;
+  while (const auto entry = judged.next()) {
+    ASSERT_EQ(entry->odometry.has_value(), k <= 28) << k;
+    if (entry->odometry) {
+      EXPECT_NEAR(entry->odometry->x, 0.1 * static_cast<double>(k), 1e-9);
+    }
+    ++k;
+  }
+  EXPECT_EQ(k, 30U) << "in order, none lost";
+}
+
+TEST(InterpolatedOdometry, NothingIsMadeUpOverMoreThanASecond) {
+  MadeLog log = every_nth(40, 15);
+  JudgedLog judged(log, true);
+  std::size_t with = 0;
+  while (const auto entry = judged.next()) with += entry->odometry.has_value();
+  EXPECT_EQ(with, 3U);
+}
+
+TEST(InterpolatedOdometry, AScanWaitsNoLongerThanItsOdometryMayCome) {
+  MadeLog log = every_nth(200, 1000);  // the first alone
+  JudgedLog judged(log, true);
+  for (int k = 0; k < 20; ++k) judged.next();
+  EXPECT_LE(log.given, 20U + 11U);
+  for (LogEntry& entry : log.entries) entry.scan.stamp = 0;  // without time it is their number
+  log.given = 0;
+  JudgedLog timeless(log, true);
+  timeless.next();
+  timeless.next();
+  EXPECT_LE(log.given, 2U + OdometryQueue::kMostWaiting);
+}
+
 }  // namespace
 }  // namespace phasescan

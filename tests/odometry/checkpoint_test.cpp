@@ -13,7 +13,6 @@ namespace phasescan {
 namespace {
 
 using testing::from_bytes;
-using testing::StateWriter;
 using testing::to_bytes;
 
 std::string bytes_of(const TrackerStep& step) {

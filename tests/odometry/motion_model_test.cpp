@@ -214,5 +214,19 @@ TEST(SearchPolicy, SparseLogsAreSearchedWidelyAndLostSooner) {
   EXPECT_LT(far.last_scan_gain, near.last_scan_gain) << "there it may be a little worse";
 }
 
+TEST(SearchPolicy, AfterLostScansTheMatchWithoutAGuessCountsWithinWhatRobotsCanDo) {
+  MotionVariability dense;
+  dense.set_period(0.1);
+  const OdometryOptions options;
+  const SearchPolicy usual = search_policy(dense, options), one = search_policy(dense, options, 1.0),
+                     two = search_policy(dense, options, 2.0);
+  EXPECT_EQ(usual.least_share_alone, 0.0);
+  EXPECT_TRUE(one.always_try_last_scan && one.try_doubtful_last_scan && one.fuse_last_scan);
+  EXPECT_GT(one.least_share_alone, 0.5);
+  EXPECT_GT(two.most_doubtful_turn, one.most_doubtful_turn);
+  EXPECT_GT(two.most_doubtful_m, one.most_doubtful_m);
+  EXPECT_LT(two.most_doubtful_turn, 4.0);
+}
+
 }  // namespace
 }  // namespace phasescan

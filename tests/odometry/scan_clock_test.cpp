@@ -26,10 +26,23 @@ ScanClock steady(double period, double until) {
 TEST(ScanClock, CountsThePeriodsThatPassed) {
   const ScanClock clock = steady(0.1, 3.0);
   EXPECT_NEAR(clock.period_s, 0.1, 1e-9);
-  for (const auto& [after, periods] : {std::pair{0.1, 1.0}, {0.2, 2.0}, {0.3, 3.0}, {0.8, 3.0}, {0.04, 1.0}}) {
+  for (const auto& [after, periods] :
+       {std::pair{0.1, 1.0}, {0.2, 2.0}, {0.3, 3.0}, {0.8, 8.0}, {1.9, 15.0}, {4.0, 15.0}, {8.0, 3.0}, {0.04, 1.0}}) {
     ScanClock next = clock;
     EXPECT_EQ(next.add(scan_at(2.9 + after)).periods, periods) << after;
   }
+}
+
+TEST(ScanClock, ThreeMissingScansAreLost) {
+  const auto lost_s = [](double step) {
+    ScanClock clock = steady(0.1, 3.0);
+    return clock.add(scan_at(2.9 + step)).lost_s();
+  };
+  EXPECT_EQ(lost_s(0.1), 0.0);
+  EXPECT_EQ(lost_s(0.3), 0.0) << "two in a row may be bad scans that were left out";
+  EXPECT_NEAR(lost_s(0.4), 0.4, 1e-9);
+  EXPECT_NEAR(lost_s(1.2), 1.2, 1e-9);
+  EXPECT_EQ(lost_s(60.0), 0.0) << "a gap has rules of its own";
 }
 
 TEST(ScanClock, StampsThatComeInBurstsSayNothing) {
@@ -47,8 +60,9 @@ TEST(ScanClock, AGapIsLongInSecondsAndInPeriods) {
     EXPECT_EQ(clock.gaps, gap ? 1u : 0u);
     return gap;
   };
-  EXPECT_TRUE(gap_after(0.1, 3.0));
-  EXPECT_FALSE(gap_after(0.1, 1.8)) << "a robot does not go far in so short a time";
+  EXPECT_TRUE(gap_after(0.1, 7.0));
+  EXPECT_FALSE(gap_after(0.1, 4.0)) << "a burst of lost scans";
+
   EXPECT_FALSE(gap_after(0.5, 6.0)) << "a slow sensor that lost a few scans";
   EXPECT_TRUE(gap_after(0.5, 9.0));
 }

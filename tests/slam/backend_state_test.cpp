@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "slam/backend.hpp"
+#include "slam/state_types.hpp"
 #include "support/state_bytes.hpp"
 #include "support/toy_keyframes.hpp"
 

@@ -72,5 +72,19 @@ TEST(InputCheck, OnlyBrokenInputIsDamage) {
   EXPECT_FALSE(damaged(pause));
 }
 
+TEST(InputCheck, RangesThatStayWhileTheWheelsMoveAreFrozen) {
+  const auto frozen = [](const Pose2& moved, float range, double stamp) {
+    InputCheckState state;
+    check_input(state, {scan_at(1.0), "a", {}, Pose2{0, 0, 0}}, 0);
+    check_input(state, {scan_at(stamp, range), "a", {}, moved}, 1);
+    return state.oddities.contains("frozen scan");
+  };
+  EXPECT_TRUE(frozen({0.1, 0, 0}, 2.0F, 1.1));
+  EXPECT_TRUE(frozen({0, 0, -0.05}, 2.0F, 1.1));
+  EXPECT_FALSE(frozen({0, 0, 0}, 2.0F, 1.1)) << "a simulator without noise at a stand";
+  EXPECT_FALSE(frozen({0.1, 0, 0}, 2.1F, 1.1));
+  EXPECT_FALSE(frozen({0.1, 0, 0}, 2.0F, 1.0)) << "the same message twice is a repeated scan";
+}
+
 }  // namespace
 }  // namespace phasescan

@@ -38,7 +38,9 @@ struct ScansAround {
     records.push_back(record);
   }
   std::vector<Pose2> refined(const std::vector<Pose2>& guess) const {
-    return refine_trajectory(backend, scans, guess, records, {});
+    ScanLedger ledger;
+    ledger.records = records;
+    return refine_trajectory(backend, scans, guess, ledger, {});
   }
 };
 

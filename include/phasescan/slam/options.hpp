@@ -59,6 +59,8 @@ struct SlamGeneralOptions {
   bool polish = true;
   bool bounded_memory = false;
   bool largest_piece = true;
+  double session_gap_s = 60.0;
+  double autosave_s = 4.0;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -70,6 +72,10 @@ struct SlamGeneralOptions {
     v("largest_piece", self.largest_piece,
       OptionInfo{
           "", "where tracking broke and no loop ties the pieces, draw the largest alone: where others lie is a guess"});
+    v("session_gap_s", self.session_gap_s,
+      OptionInfo{"s", "a log that begins at most so long after the end of the one before goes on with it", 0, 1e9});
+    v("autosave_s", self.autosave_s,
+      OptionInfo{"s", "with --save, the state is written this often while scans come; 0: at the end alone", 0, 1e9});
   }
 };
 

@@ -140,6 +140,15 @@ struct SlamResult {
   std::vector<RunFinding> findings;
   /// Whether motion was taken out of the scans in the end: not where turns showed that the stated times are wrong.
   bool deskewed = true;
+  /// Of each drive (Slam::begin_session) its first scan, and which of the parts it is in (0 where there are none).
+  struct Session {
+    ScanId first_scan = 0;
+    std::int32_t part = 0;
+  };
+  std::vector<Session> sessions;
+  /// Where nothing ties some drives to others: what hangs together, most keyframes first, each a result by itself; else
+  /// empty. Its numbers of scans and keyframes are its own.
+  std::vector<SlamResult> parts;
 
   std::size_t scans_left_out() const;              ///< left out as bad, or not on the map
   std::size_t scans_off_the_map() const;           ///< in pieces that nothing ties to the map drawn

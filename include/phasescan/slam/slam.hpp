@@ -108,6 +108,10 @@ class Slam {
   /// The map as the last result left it. Never waits, never null.
   std::shared_ptr<const MapSnapshot> map() const;
 
+  /// What comes next is another drive, perhaps of another robot: tracking begins anew, and nothing ties it to what was
+  /// before but loops, which are looked for with no guess.
+  void begin_session();
+
   /// Null: none. It must outlive this object or be taken away before.
   void set_observer(SlamObserver* observer);
 

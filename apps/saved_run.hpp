@@ -1,0 +1,41 @@
+// Saved runs as the command keeps them: the state of SLAM, and what the command knows beside it.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "phasescan/slam/state.hpp"
+#include "slam_output.hpp"
+
+namespace phasescan::app {
+
+struct LoadedRun {
+  SavedRun saved;
+  SlamRun run;
+};
+
+/// @throws InputError for a file that is not there, is no state or a damaged one; SystemError
+LoadedRun load_run(const std::string& path);
+/// The bytes of a file that may be a state. @throws InputError, SystemError
+std::string read_state_bytes(const std::string& path);
+/// Whether a file begins as a state does; false for what cannot be read.
+bool is_state_file(const std::string& path);
+
+/// Writes the state of a run that goes on, now and then.
+class StateSaver {
+ public:
+  /// Saves nothing where `path` is empty. @param every_s  0: only when asked
+  StateSaver(std::string path, double every_s) : path_(std::move(path)), every_s_(every_s) {}
+  /// After a scan: saves where it is time; after the first one at once. @throws SystemError
+  void scan_added(Slam& slam, const SlamRun& run);
+  /// @throws SystemError
+  void save(Slam& slam, const SlamRun& run);
+
+ private:
+  std::string path_;
+  double every_s_;
+  std::optional<std::chrono::steady_clock::time_point> last_;
+};
+
+}  // namespace phasescan::app

@@ -1,0 +1,16 @@
+/// Drives that nothing ties to each other, each group a result by itself.
+#pragma once
+
+#include <vector>
+
+#include "slam/backend.hpp"
+#include "slam/scan_ledger.hpp"
+
+namespace phasescan {
+
+/// Fills in `sessions` and, where there are several groups of them, `parts` of a result that is finished otherwise.
+/// @param poses  of all scans, as they were given to make_result
+void make_parts(const Backend& backend, const ScanLedger& ledger, const std::vector<Pose2>& poses, bool refined,
+                const SlamOptions& options, SlamResult& result);
+
+}  // namespace phasescan

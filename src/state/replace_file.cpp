@@ -1,0 +1,76 @@
+// Files for users of the libraries alone: component io, which has the like for the command, is none of theirs.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+
+#include "state/container.hpp"
+
+namespace phasescan {
+namespace {
+
+class Descriptor {
+ public:
+  Descriptor(const std::string& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
+    if (fd_ < 0) refuse(path);
+  }
+  ~Descriptor() { ::close(fd_); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return fd_; }
+  [[noreturn]] static void refuse(const std::string& path) {
+    throw std::system_error(errno, std::generic_category(), path);
+  }
+
+ private:
+  int fd_;
+};
+
+void write_all(const std::string& path, std::string_view bytes) {
+  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
+  while (!bytes.empty()) {
+    const ssize_t done = ::write(file.get(), bytes.data(), bytes.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) Descriptor::refuse(path);
+    bytes.remove_prefix(static_cast<std::size_t>(done));
+  }
+  if (::fsync(file.get()) != 0) Descriptor::refuse(path);
+}
+
+}  // namespace
+
+void replace_file(const std::string& path, std::string_view bytes) {
+  const std::string temporary = path + ".tmp" + std::to_string(::getpid());
+  try {
+    write_all(temporary, bytes);
+    if (::rename(temporary.c_str(), path.c_str()) != 0) Descriptor::refuse(path);
+  } catch (...) {
+    ::unlink(temporary.c_str());
+    throw;
+  }
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  const int fd = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;  // the file itself is safe
+  ::fsync(fd);
+  ::close(fd);
+}
+
+std::string read_bytes(const std::string& path) {
+  const Descriptor file(path, O_RDONLY);
+  std::string bytes;
+  struct stat info {};
+  if (::fstat(file.get(), &info) == 0 && S_ISREG(info.st_mode)) bytes.reserve(static_cast<std::size_t>(info.st_size));
+  std::string block(std::size_t{1} << 20, '\0');
+  for (;;) {
+    const ssize_t n = ::read(file.get(), block.data(), block.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) Descriptor::refuse(path);
+    if (n == 0) return bytes;
+    bytes.append(block.data(), static_cast<std::size_t>(n));
+  }
+}
+
+}  // namespace phasescan
