@@ -208,7 +208,7 @@ def main() -> int:
 
     public = sorted((root / "include/phasescan").rglob("*.hpp"))
     print(f"\npublic headers: {len(public)}; headers of ours behind each:")
-    of_live = sum(str(header).startswith("live/") for header in public)
+    of_live = sum(header.parent.name == "live" for header in public)
     for what, count, most in (("public headers", len(public) - of_live, MOST_PUBLIC_HEADERS), ("public headers of live", of_live, MOST_LIVE_HEADERS)):
         if count > most:
             over.append(f"{count} {what}, at most {most}")
