@@ -1,36 +1,16 @@
 #include "io/ros_encode.hpp"
 
-#include <array>
 #include <stdexcept>
+
+#include "io/cdr.hpp"
 
 namespace phasescan::ros {
 namespace {
 
-/// Aligns every value to its own size, counted from behind the encapsulation.
-class CdrWriter {
+/// CDR with what ROS messages have in common.
+class MessageWriter : public CdrWriter {
  public:
-  explicit CdrWriter(ByteWriter& out) : out_(out) { out_.put(std::uint32_t{0x00000100}); }
-  template <class T>
-  void put(T value) {
-    align(sizeof(T));
-    out_.put(value);
-  }
-  void text(std::string_view value) {
-    put(static_cast<std::uint32_t>(value.size() + 1));
-    out_.raw(value);
-    out_.put(std::uint8_t{0});
-  }
-  template <class T>
-  void sequence(std::span<const T> values) {
-    put(static_cast<std::uint32_t>(values.size()));
-    if (values.empty()) return;
-    align(sizeof(T));
-    out_.raw(Bytes(reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()));
-  }
-  void zero_doubles(std::size_t n) {
-    align(sizeof(double));
-    out_.fill(n * sizeof(double));
-  }
+  using CdrWriter::CdrWriter;
   void header(const Header& header) {
     time(header.stamp);
     text(header.frame_id);
@@ -50,13 +30,6 @@ class CdrWriter {
     for (int i = 0; i < 3; ++i) put(pose.translation[i]);
     for (const double value : {pose.rotation.x(), pose.rotation.y(), pose.rotation.z(), pose.rotation.w()}) put(value);
   }
-
- private:
-  void align(std::size_t size) {
-    const std::size_t over = (out_.size() - 4) % size;
-    if (over != 0) out_.fill(size - over);
-  }
-  ByteWriter& out_;
 };
 
 struct Definition {
@@ -120,7 +93,7 @@ Pose3 spatial(const Pose2& pose, bool flipped) {
 }
 
 void encode(const LaserScan& message, ByteWriter& out) {
-  CdrWriter cdr(out);
+  MessageWriter cdr(out);
   cdr.header(message.header);
   for (const float value : {message.angle_min, message.angle_max, message.angle_increment, message.time_increment,
                             message.scan_time, message.range_min, message.range_max}) {
@@ -131,7 +104,7 @@ void encode(const LaserScan& message, ByteWriter& out) {
 }
 
 void encode(const Odometry& message, ByteWriter& out) {
-  CdrWriter cdr(out);
+  MessageWriter cdr(out);
   cdr.header(message.header);
   cdr.text(message.child_frame_id);
   cdr.pose(message.pose);
@@ -139,7 +112,7 @@ void encode(const Odometry& message, ByteWriter& out) {
 }
 
 void encode(const std::vector<Transform>& message, ByteWriter& out) {
-  CdrWriter cdr(out);
+  MessageWriter cdr(out);
   cdr.put(static_cast<std::uint32_t>(message.size()));
   for (const Transform& transform : message) {
     cdr.header(transform.header);
@@ -152,7 +125,7 @@ void encode(const OccupancyGrid& message, ByteWriter& out) {
   if (message.cells.size() != std::size_t{message.width} * message.height) {
     throw std::invalid_argument("occupancy_grid.cells: the count is not width * height");
   }
-  CdrWriter cdr(out);
+  MessageWriter cdr(out);
   cdr.header(message.header);
   cdr.time(message.header.stamp);
   cdr.put(message.resolution_m);
@@ -163,7 +136,7 @@ void encode(const OccupancyGrid& message, ByteWriter& out) {
 }
 
 void encode(const Path& message, ByteWriter& out) {
-  CdrWriter cdr(out);
+  MessageWriter cdr(out);
   cdr.header(message.header);
   cdr.put(static_cast<std::uint32_t>(message.points.size()));
   for (const PathPoint& point : message.points) {
