@@ -16,9 +16,9 @@
 namespace phasescan::ros {
 
 /// Appends to a buffer that must be empty.
-class CdrWriter {
+class CdrOutput {
  public:
-  explicit CdrWriter(ByteWriter& out) : out_(out) { out_.put(std::uint32_t{0x00000100}); }
+  explicit CdrOutput(ByteWriter& out) : out_(out) { out_.put(std::uint32_t{0x00000100}); }
   template <class T>
   void put(T value) {
     align(sizeof(T));
@@ -56,9 +56,9 @@ class CdrWriter {
 };
 
 /// Reads plain CDR. Every call throws DecodeError where the bytes end too early.
-class CdrReader {
+class CdrInput {
  public:
-  explicit CdrReader(Bytes data) : reader_(data) {
+  explicit CdrInput(Bytes data) : reader_(data) {
     const Bytes head = reader_.bytes(4);
     const int kind = head[0] << 8 | head[1];
     if (kind != 0 && kind != 1 && kind != 6 && kind != 7) throw DecodeError("not plain CDR");

@@ -8,9 +8,9 @@ namespace phasescan::ros {
 namespace {
 
 /// CDR with what ROS messages have in common.
-class MessageWriter : public CdrWriter {
+class CdrWriter : public CdrOutput {
  public:
-  using CdrWriter::CdrWriter;
+  using CdrOutput::CdrOutput;
   void header(const Header& header) {
     time(header.stamp);
     text(header.frame_id);
@@ -93,7 +93,7 @@ Pose3 spatial(const Pose2& pose, bool flipped) {
 }
 
 void encode(const LaserScan& message, ByteWriter& out) {
-  MessageWriter cdr(out);
+  CdrWriter cdr(out);
   cdr.header(message.header);
   for (const float value : {message.angle_min, message.angle_max, message.angle_increment, message.time_increment,
                             message.scan_time, message.range_min, message.range_max}) {
@@ -104,7 +104,7 @@ void encode(const LaserScan& message, ByteWriter& out) {
 }
 
 void encode(const Odometry& message, ByteWriter& out) {
-  MessageWriter cdr(out);
+  CdrWriter cdr(out);
   cdr.header(message.header);
   cdr.text(message.child_frame_id);
   cdr.pose(message.pose);
@@ -112,7 +112,7 @@ void encode(const Odometry& message, ByteWriter& out) {
 }
 
 void encode(const std::vector<Transform>& message, ByteWriter& out) {
-  MessageWriter cdr(out);
+  CdrWriter cdr(out);
   cdr.put(static_cast<std::uint32_t>(message.size()));
   for (const Transform& transform : message) {
     cdr.header(transform.header);
@@ -125,7 +125,7 @@ void encode(const OccupancyGrid& message, ByteWriter& out) {
   if (message.cells.size() != std::size_t{message.width} * message.height) {
     throw std::invalid_argument("occupancy_grid.cells: the count is not width * height");
   }
-  MessageWriter cdr(out);
+  CdrWriter cdr(out);
   cdr.header(message.header);
   cdr.time(message.header.stamp);
   cdr.put(message.resolution_m);
@@ -136,7 +136,7 @@ void encode(const OccupancyGrid& message, ByteWriter& out) {
 }
 
 void encode(const Path& message, ByteWriter& out) {
-  MessageWriter cdr(out);
+  CdrWriter cdr(out);
   cdr.header(message.header);
   cdr.put(static_cast<std::uint32_t>(message.points.size()));
   for (const PathPoint& point : message.points) {

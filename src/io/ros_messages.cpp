@@ -38,9 +38,9 @@ class Ros1Wire {
   ByteReader reader_;
 };
 
-class CdrWire : public CdrReader {
+class CdrWire : public CdrInput {
  public:
-  using CdrReader::CdrReader;
+  using CdrInput::CdrInput;
   void floats(std::vector<float>& out) { sequence(out); }
   void begin_header() {}
   Stamp seconds() { return get<std::int32_t>(); }

@@ -51,7 +51,7 @@ class Encoder {
       for (const T& value : values) Message<T>::visit(value, *this);
     }
   }
-  ros::CdrWriter cdr_;
+  ros::CdrOutput cdr_;
 };
 
 class Decoder {
@@ -88,7 +88,7 @@ class Decoder {
       for (auto n = cdr_.get<std::uint32_t>(); n > 0; --n) Message<T>::visit(values.emplace_back(), *this);
     }
   }
-  ros::CdrReader cdr_;
+  ros::CdrInput cdr_;
 };
 
 template <class T>
@@ -187,7 +187,7 @@ template <class M>
 std::vector<std::uint8_t> encode(const M& message) {
   ByteWriter out;
   Message<M>::visit(message, Encoder(out));
-  return out.take();
+  return out.bytes();
 }
 
 template <class M>
@@ -221,9 +221,9 @@ std::string idl() {
   return out;
 }
 
-#define PHASESCAN_ROS2_MESSAGE(M)                            \
+#define PHASESCAN_ROS2_MESSAGE(M)                         \
   template std::vector<std::uint8_t> encode<M>(const M&); \
-  template M decode<M>(Bytes);                               \
+  template M decode<M>(Bytes);                            \
   template std::string definition<M>();
 PHASESCAN_ROS2_MESSAGE(LaserScan)
 PHASESCAN_ROS2_MESSAGE(TFMessage)

@@ -70,8 +70,8 @@ TrinaryMap to_map(const OccupancyGrid& grid) {
   const std::uint64_t cells = std::uint64_t{grid.info.width} * grid.info.height;
   if (cells == 0 || cells > kMostCells) throw std::invalid_argument("map.width: no grid has that many cells");
   if (grid.data.size() != cells)
-    throw std::invalid_argument("map.data: " + std::to_string(grid.data.size()) + " cells, expected width * height = " +
-                                std::to_string(cells));
+    throw std::invalid_argument("map.data: " + std::to_string(grid.data.size()) +
+                                " cells, expected width * height = " + std::to_string(cells));
   if (!(grid.info.resolution > 0.0F && grid.info.resolution <= 10.0F))
     throw std::invalid_argument("map.resolution: expected metres per cell above 0, up to 10");
   TrinaryMap map;
@@ -82,9 +82,9 @@ TrinaryMap to_map(const OccupancyGrid& grid) {
   map.origin = to_pose2(grid.info.origin);
   map.cells.reserve(grid.data.size());
   for (const std::int8_t cell : grid.data) {
-    map.cells.push_back(cell >= kOccupied              ? CellState::kOccupied
+    map.cells.push_back(cell >= kOccupied            ? CellState::kOccupied
                         : cell >= 0 && cell <= kFree ? CellState::kFree
-                                                       : CellState::kUnknown);
+                                                     : CellState::kUnknown);
   }
   return map;
 }

@@ -1,5 +1,5 @@
-/// What the two nodes can be told, by the names that slam_toolbox and amcl have for it. Everything else is in the options
-/// of the library, section by section ("odometry.cell_m").
+/// What the two nodes can be told, by the names that slam_toolbox and amcl have for it. Everything else is in the
+/// options of the library, section by section ("odometry.cell_m").
 #pragma once
 
 #include <string>
@@ -41,10 +41,12 @@ struct SlamNodeOptions {
       OptionInfo{"s", "time between transforms map -> odom; 0: none are published", 0, 10});
     v("transform_timeout", self.transform_timeout,
       OptionInfo{"s", "map -> odom is stamped so long after the last scan", 0, 10});
-    v("map_update_interval", self.map_update_interval, OptionInfo{"s", "time between maps, by the scans' stamps", 0.1, 3600});
+    v("map_update_interval", self.map_update_interval,
+      OptionInfo{"s", "time between maps, by the scans' stamps", 0.1, 3600});
     v("state_file", self.state_file,
       OptionInfo{"", "saved run: gone on with where it exists, written while running and at the end"});
-    v("autosave_period", self.autosave_period, OptionInfo{"s", "time between savings, by the scans' stamps; 0: at the end", 0, 1e6});
+    v("autosave_period", self.autosave_period,
+      OptionInfo{"s", "time between savings, by the scans' stamps; 0: at the end", 0, 1e6});
     v("deterministic", self.deterministic,
       OptionInfo{"", "the same bytes for the same scans; a scan may wait for loops and graph"});
   }
@@ -96,11 +98,17 @@ struct LocalizationNodeOptions {
     v("initial_pose.yaw", self.initial_yaw, OptionInfo{"rad", "where the robot looks at first", -7, 7});
     v("saved_pose_filepath", self.saved_pose_filepath, OptionInfo{"", "file for the last pose; empty: none"});
     v("initialize_at_saved_pose", self.initialize_at_saved_pose, OptionInfo{"", "begin at the pose of that file"});
-    v("save_pose_rate", self.save_pose_rate, OptionInfo{"1/s", "how often that file is written; 0: at the end alone", 0, 10});
+    v("save_pose_rate", self.save_pose_rate,
+      OptionInfo{"1/s", "how often that file is written; 0: at the end alone", 0, 10});
   }
   IntakeOptions intake() const {
-    return {base_frame_id, odom_frame_id,  odometry, mounting_from_tf, laser_min_range > 0.0 ? laser_min_range : 0.0,
-            laser_max_range > 0.0 ? laser_max_range : 0.0, 1};
+    return {base_frame_id,
+            odom_frame_id,
+            odometry,
+            mounting_from_tf,
+            laser_min_range > 0.0 ? laser_min_range : 0.0,
+            laser_max_range > 0.0 ? laser_max_range : 0.0,
+            1};
   }
 };
 

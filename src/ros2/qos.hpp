@@ -10,9 +10,9 @@ enum class Role { kSlam, kLocalization };
 enum class Direction { kIn, kOut };
 
 struct Qos {
-  bool reliable = true;         ///< else best effort
-  bool transient_local = false; ///< latecomers get the last `depth` messages; else volatile
-  int depth = 10;               ///< keep last
+  bool reliable = true;          ///< else best effort
+  bool transient_local = false;  ///< latecomers get the last `depth` messages; else volatile
+  int depth = 10;                ///< keep last
   bool operator==(const Qos&) const = default;
 };
 

@@ -40,8 +40,9 @@ GatedScan ScanGate::take(const std::string& topic, const LaserScan& message, Sta
     return out;
   }
   if (back_s > 0.0) {
-    diagnostics.note(Trouble::kOutOfOrder, now,
-                     fmt::format("{}: a scan {:.3f} s older than the one before; do two drivers publish?", topic, back_s));
+    diagnostics.note(
+        Trouble::kOutOfOrder, now,
+        fmt::format("{}: a scan {:.3f} s older than the one before; do two drivers publish?", topic, back_s));
     return {};
   }
   try {

@@ -14,10 +14,10 @@ namespace phasescan::ros2 {
 
 /// What became of a message.
 struct GatedScan {
-  std::optional<Scan> scan;         ///< empty: it cannot be used
-  std::string frame;                ///< of the laser
+  std::optional<Scan> scan;  ///< empty: it cannot be used
+  std::string frame;         ///< of the laser
   Stamp stamp = 0;
-  bool clock_jumped_back = false;   ///< all that came before is of another run of the clock
+  bool clock_jumped_back = false;  ///< all that came before is of another run of the clock
 };
 
 class ScanGate {

@@ -25,11 +25,11 @@ void ScanIntake::add_scan(const std::string& topic, const LaserScan& message, St
   if (!gated.scan) return;
   if (options_.every > 1 && (skipped_[topic]++ % options_.every) != 0) return;
   const Stamp stamp = gated.scan->stamp;
+  newest_[topic] = std::max(stamp, newest_.contains(topic) ? newest_[topic] : stamp);
   if (last_taken_ && stamp < *last_taken_) {
     told_.note(Trouble::kOutOfOrder, now, topic + ": a scan that came after newer ones of another laser were used");
     return;
   }
-  newest_[topic] = std::max(stamp, newest_.contains(topic) ? newest_[topic] : stamp);
   const auto at = std::upper_bound(queue_.begin(), queue_.end(), stamp,
                                    [](Stamp wanted, const Waiting& other) { return wanted < other.scan.stamp; });
   queue_.insert(at, {topic, gated.frame, std::move(*gated.scan)});
@@ -40,7 +40,8 @@ void ScanIntake::push_out(const std::string& topic, Stamp now) {
       std::find_if(queue_.begin(), queue_.end(), [&](const Waiting& scan) { return scan.topic == topic; });
   if (oldest == queue_.end()) return;
   queue_.erase(oldest);
-  told_.note(Trouble::kQueueFull, now, fmt::format("{}: a scan waited for transforms until {} newer ones came", topic, kDepth));
+  told_.note(Trouble::kQueueFull, now,
+             fmt::format("{}: a scan waited for transforms until {} newer ones came", topic, kDepth));
 }
 
 bool ScanIntake::is_own(const TransformStamped& transform) const {
@@ -64,7 +65,8 @@ void ScanIntake::add_transforms(const TFMessage& message, bool is_static, Stamp 
     others.transforms.push_back(transform);
   }
   if (const std::size_t bad = transforms_.add(others, is_static); bad > 0)
-    told_.note(Trouble::kBadTransform, now, fmt::format("{} transforms that are none: not finite, no rotation, or a frame on itself", bad));
+    told_.note(Trouble::kBadTransform, now,
+               fmt::format("{} transforms that are none: not finite, no rotation, or a frame on itself", bad));
 }
 
 void ScanIntake::add_odometry(const Odometry& message, Stamp now) {
@@ -113,7 +115,8 @@ ScanIntake::Readiness ScanIntake::mounting_of(const Waiting& scan, Stamp now) {
   out.ready = false;
   if (lookup.found == TransformFound::kTooEarly) {
     out.drop = true;
-    told_.note(Trouble::kTransformGap, now, fmt::format("{} -> {}: the scan is older than the transforms kept", options_.base_frame, scan.frame));
+    told_.note(Trouble::kTransformGap, now,
+               fmt::format("{} -> {}: the scan is older than the transforms kept", options_.base_frame, scan.frame));
     return out;
   }
   told_.note(Trouble::kScanBeforeTransform, now,

@@ -1,5 +1,5 @@
-/// From scan messages and transforms to measurements: scans wait until it is known where their laser and the robot stood
-/// at their stamp, and leave in the order of their stamps, whatever came first.
+/// From scan messages and transforms to measurements: scans wait until it is known where their laser and the robot
+/// stood at their stamp, and leave in the order of their stamps, whatever came first.
 #pragma once
 
 #include <deque>
@@ -56,12 +56,17 @@ class ScanIntake {
   /// The scans that are ready now, oldest first.
   std::vector<ReadyScan> take_ready(Stamp now);
 
+  /// Scans that wait are not wanted any more.
+  void drop_waiting() { queue_.clear(); }
+
   void set_options(IntakeOptions options) { options_ = std::move(options); }
   const IntakeOptions& options() const { return options_; }
   /// Whether odom -> base of somebody else is there.
   bool has_odometry() const { return odometry_seen_; }
   /// False while it is still open whether odometry will come (kAuto).
-  bool odometry_decided() const { return odometry_seen_ || without_odometry_ || options_.odometry == OdometrySource::kNone; }
+  bool odometry_decided() const {
+    return odometry_seen_ || without_odometry_ || options_.odometry == OdometrySource::kNone;
+  }
   std::size_t waiting() const { return queue_.size(); }
   const TransformBuffer& transforms() const { return transforms_; }
 
@@ -106,9 +111,9 @@ class ScanIntake {
   Diagnostics& told_;
   ScanGate gate_;
   TransformBuffer transforms_, odometry_;
-  std::deque<Waiting> queue_;              // by stamp
-  std::map<std::string, Stamp> newest_;    // stamp of each laser's newest scan
-  std::map<std::string, int> skipped_;     // of each laser, since its last scan that was used
+  std::deque<Waiting> queue_;            // by stamp
+  std::map<std::string, Stamp> newest_;  // stamp of each laser's newest scan
+  std::map<std::string, int> skipped_;   // of each laser, since its last scan that was used
   std::optional<Stamp> last_taken_;
   std::deque<std::pair<Stamp, Pose2>> own_;
   bool odometry_seen_ = false, without_odometry_ = false, session_begins_ = false;

@@ -6,16 +6,12 @@
 #include <fmt/format.h>
 
 #include "phasescan/slam/state.hpp"
+#include "ros2/due.hpp"
 
 namespace phasescan::ros2 {
 namespace {
 
 constexpr double kDiagnosticsPeriod_s = 1.0, kNoScans_s = 2.0;
-
-bool due(std::optional<Stamp> last, Stamp now, double period_s) {
-  // A clock that was set back is a reason to begin anew, not to wait until it has caught up.
-  return !last || now < *last || stamp_to_seconds(now - *last) >= period_s;
-}
 
 }  // namespace
 
@@ -43,6 +39,7 @@ void SlamNode::begin(std::optional<SlamState> state) {
   slam_ = state ? std::make_unique<Slam>(*state, setup_.slam, schedule, executor_)
                 : std::make_unique<Slam>(setup_.slam, schedule, executor_);
   slam_in_force_ = setup_.slam;
+  first_map_ = state ? nullptr : std::make_unique<FirstMap>(setup_.slam.map);
   map_to_odom_ = MapToOdom({setup_.node.map_frame, setup_.node.odom_frame, setup_.node.base_frame});
   last_map_.reset();
   last_scan_.reset();
@@ -123,6 +120,7 @@ void SlamNode::add(ReadyScan&& scan, Stamp now) {
   const ScanUpdate update = slam_->add(scan.measurement);
   last_scan_ = stamp;
   status_ = update.status;
+  if (first_map_) first_map_->add(scan.measurement, update);
   publishes_odometry_ = !intake_.has_odometry();
   publish(update, scan.measurement.T_odom_base, now);
   save_when_due(stamp, now);
@@ -153,7 +151,14 @@ void SlamNode::publish_own_odometry(const ScanUpdate& update) {
 void SlamNode::publish_map(Stamp stamp) {
   std::shared_ptr<const MapSnapshot> snapshot = slam_->map();
   const std::vector<MapKeyframe> keyframes = snapshot->keyframes();
-  if (keyframes.empty() || drawing_now_->exchange(true)) return;
+  if (keyframes.empty()) {
+    if (!first_map_ || first_map_->empty()) return;
+    last_map_ = stamp;
+    outputs_.map(to_grid(first_map_->draw(), stamp, setup_.node.map_frame));
+    return;
+  }
+  first_map_.reset();
+  if (drawing_now_->exchange(true)) return;
   last_map_ = stamp;
   Path path{{stamp, setup_.node.map_frame}, {}};
   for (const MapKeyframe& keyframe : keyframes) path.poses.push_back({path.header, to_pose(keyframe.T_map_base)});
@@ -171,8 +176,11 @@ void SlamNode::publish_map(Stamp stamp) {
 }
 
 std::optional<OccupancyGrid> SlamNode::dynamic_map() {
-  if (!slam_ || slam_->map()->keyframes().empty()) return std::nullopt;
-  return to_grid(slam_->map()->draw(), last_scan_.value_or(0), setup_.node.map_frame);
+  if (!slam_) return std::nullopt;
+  const Stamp stamp = last_scan_.value_or(0);
+  if (!slam_->map()->keyframes().empty()) return to_grid(slam_->map()->draw(), stamp, setup_.node.map_frame);
+  if (!first_map_ || first_map_->empty()) return std::nullopt;
+  return to_grid(first_map_->draw(), stamp, setup_.node.map_frame);
 }
 
 void SlamNode::tick(Stamp now) {
@@ -186,8 +194,9 @@ void SlamNode::tick(Stamp now) {
   }
   if (!due(last_diagnostics_, now, kDiagnosticsPeriod_s)) return;
   if (due(last_heard_, now, kNoScans_s) && !paused_) {
-    told_.note(Trouble::kNoScans, now,
-               setup_.node.scan_topic + ": nothing comes; is the driver running, its topic and quality of service right?");
+    told_.note(
+        Trouble::kNoScans, now,
+        setup_.node.scan_topic + ": nothing comes; is the driver running, its topic and quality of service right?");
   }
   last_diagnostics_ = now;
   outputs_.diagnostics(told_.report(now, paused_ ? "paused" : to_string(status_), values()));
@@ -196,7 +205,9 @@ void SlamNode::tick(Stamp now) {
 std::vector<KeyValue> SlamNode::values() const {
   return {{"scans", std::to_string(scans())},
           {"waiting", std::to_string(intake_.waiting())},
-          {"odometry", intake_.has_odometry() ? "used" : publishes_odometry_ ? "none: published here" : "not known yet"},
+          {"odometry", intake_.has_odometry() ? "used"
+                       : publishes_odometry_  ? "none: published here"
+                                              : "not known yet"},
           {"map_version", slam_ ? std::to_string(slam_->map()->version()) : "none"}};
 }
 
@@ -252,7 +263,8 @@ Answer SlamNode::set_parameter(const std::string& name, const ParameterValue& va
     if (!running) return {};
     if (name.find('.') != std::string::npos) {
       const OptionDifferences differences = compare_options(setup_.slam, slam_in_force_);
-      if (!differences.fatal.empty()) throw std::invalid_argument(name + ": not while a run goes on: " + differences.fatal.front());
+      if (!differences.fatal.empty())
+        throw std::invalid_argument(name + ": not while a run goes on: " + differences.fatal.front());
       rebuild(now);
     }
     intake_.set_options(setup_.node.intake());

@@ -8,6 +8,7 @@
 
 #include "phasescan/slam/slam.hpp"
 #include "ros2/diagnostics.hpp"
+#include "ros2/first_map.hpp"
 #include "ros2/frames.hpp"
 #include "ros2/node_options.hpp"
 #include "ros2/outputs.hpp"
@@ -80,6 +81,7 @@ class SlamNode {
   ScanIntake intake_;
   MapToOdom map_to_odom_;
   std::unique_ptr<Slam> slam_;
+  std::unique_ptr<FirstMap> first_map_;  // null once the run has a map
   SlamOptions slam_in_force_;
   std::shared_ptr<std::atomic<bool>> drawing_now_ = std::make_shared<std::atomic<bool>>(false);
   Lifecycle lifecycle_ = Lifecycle::kUnconfigured;

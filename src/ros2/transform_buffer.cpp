@@ -47,11 +47,16 @@ Pose3 interpolate(const Pose3& a, const Pose3& b, double share) {
 
 const char* text_of(TransformFound found) {
   switch (found) {
-    case TransformFound::kFound: return "found";
-    case TransformFound::kUnknownFrame: return "unknown frame";
-    case TransformFound::kNotConnected: return "not connected";
-    case TransformFound::kTooEarly: return "older than what is kept";
-    case TransformFound::kTooLate: return "not there yet";
+    case TransformFound::kFound:
+      return "found";
+    case TransformFound::kUnknownFrame:
+      return "unknown frame";
+    case TransformFound::kNotConnected:
+      return "not connected";
+    case TransformFound::kTooEarly:
+      return "older than what is kept";
+    case TransformFound::kTooLate:
+      return "not there yet";
   }
   return "?";
 }
@@ -105,8 +110,7 @@ TransformFound TransformBuffer::at(const Edge& edge, std::optional<Stamp> stamp,
     return TransformFound::kFound;
   }
   const auto before = std::prev(after);
-  const double share =
-      static_cast<double>(*stamp - before->first) / static_cast<double>(after->first - before->first);
+  const double share = static_cast<double>(*stamp - before->first) / static_cast<double>(after->first - before->first);
   out = interpolate(before->second, after->second, share);
   return TransformFound::kFound;
 }
@@ -151,7 +155,8 @@ TransformLookup TransformBuffer::look_up(std::string_view target_name, std::stri
     }
     return false;
   });
-  return met || !failed ? result : *failed;
+  if (met || !failed) return result;
+  return stamp && look_up(target, source, std::nullopt).found != TransformFound::kFound ? result : *failed;
 }
 
 TransformLookup TransformBuffer::find(std::string_view target, std::string_view source, Stamp stamp) const {

@@ -43,9 +43,9 @@ class TransformBuffer {
   /// @param kept  how long back, counted from each frame's newest transform
   explicit TransformBuffer(Stamp kept = 10'000'000'000) : kept_(kept) {}
 
-  /// Transforms of a message. One that is older than its newest is put where it belongs, unless it is older by more than
-  /// `kJump`: then the clock was set back and what is kept of that frame is forgotten. One of the same stamp takes the
-  /// other's place. What is not finite, has a quaternion that is none, or leads to itself is left out.
+  /// Transforms of a message. One that is older than its newest is put where it belongs, unless it is older by more
+  /// than `kJump`: then the clock was set back and what is kept of that frame is forgotten. One of the same stamp takes
+  /// the other's place. What is not finite, has a quaternion that is none, or leads to itself is left out.
   /// @return how many were left out
   std::size_t add(const TFMessage& message, bool is_static);
 
