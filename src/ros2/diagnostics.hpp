@@ -50,6 +50,8 @@ class Diagnostics {
   /// @param what  for people: what was met, and what helps
   void note(Trouble trouble, Stamp now, std::string what);
   std::uint64_t count(Trouble trouble) const { return entries_[static_cast<std::size_t>(trouble)].count; }
+  /// What was met last.
+  const std::string& what(Trouble trouble) const { return entries_[static_cast<std::size_t>(trouble)].what; }
   /// Whether it was met within the last `kRecent_s` seconds.
   bool is_recent(Trouble trouble, Stamp now) const;
   /// Clock of the node went back: what was met is as of now.

@@ -67,6 +67,8 @@ class ScanIntake {
   bool odometry_decided() const {
     return odometry_seen_ || without_odometry_ || options_.odometry == OdometrySource::kNone;
   }
+  /// Whether a scan was ever ready.
+  bool took_any() const { return last_taken_.has_value(); }
   std::size_t waiting() const { return queue_.size(); }
   const TransformBuffer& transforms() const { return transforms_; }
 
