@@ -25,6 +25,8 @@ constexpr int kViewNodes = 6;  // keyframes before it that a view is made of as 
 constexpr int kEvery = 2;      // keyframes to a view
 constexpr double kMostSigmaM = 0.1;
 constexpr std::int32_t kNumbersCount = 3;  // as PlaceIndex weighs them
+// Squared distance of descriptors beyond which they are of different places, as PlaceSearch has it.
+constexpr auto kMostDistance = static_cast<std::int64_t>(kDescriptorLength * kDescriptorLength);
 
 using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using Numbers = py::array_t<std::int8_t, py::array::c_style>;
@@ -127,8 +129,8 @@ PlaceDescriptor descriptor_at(const std::int8_t* numbers, const std::uint8_t* tu
 }
 
 /// The places most like one query among the rows `members` of an index, as PlaceIndex::most_alike finds them:
-/// `shortlist` by the numbers that do not turn, the `count` best of them over all turns and by their numbers. @return
-/// their rows and likenesses, best first; lower rows first among equals
+/// `shortlist` by the numbers that do not turn, the `count` best of them over all turns and by their numbers; none that
+/// is too far. @return their rows and likenesses, best first; lower rows first among equals
 py::tuple alike_places(const Numbers& numbers, const Turning& turning, const Rows& members,
                        const Numbers& query_numbers, const Turning& query_turning, std::size_t count,
                        std::size_t shortlist) {
@@ -138,11 +140,13 @@ py::tuple alike_places(const Numbers& numbers, const Turning& turning, const Row
   {
     const py::gil_scoped_release release;
     const std::int8_t* const query = query_numbers.data();
+    const std::int32_t length = dot(query, query);
     near.reserve(static_cast<std::size_t>(members.size()));
     for (py::ssize_t k = 0; k < members.size(); ++k) {
       const std::int64_t row = members.data()[k];
       const std::int8_t* const place = numbers.data(row, 0);
-      near.emplace_back(dot(place, place) - 2 * dot(place, query), row);
+      const std::int64_t distance = dot(place, place) - 2 * dot(place, query) + length;
+      if (distance <= kMostDistance) near.emplace_back(distance, row);
     }
     const std::size_t kept = std::min(shortlist, near.size());
     std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(kept), near.end());
