@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kOccupied = 65, kFree = 19;
 constexpr std::uint64_t kMostCells = 1ULL << 28;
-constexpr int kPlanar[3] = {0, 1, 5};  // rows of x, y and the turn about z
+using ros::kPlanar;  // where x, y and the turn stand among six
 
 }  // namespace
 
