@@ -1,5 +1,7 @@
 #include "localize/likelihood.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace phasescan {
@@ -19,10 +21,38 @@ float map_variance(const MapGrid& grid) {
   return sigma * sigma;
 }
 
+namespace {
+
+/// Over squared distances in variances, in steps of 1/8.
+struct HitTable {
+  static constexpr float kSteps = 8.0F;
+  static constexpr std::size_t kSize = 256;
+  std::array<float, kSize + 1> log_likelihood;
+  HitTable() : log_likelihood() {
+    for (std::size_t i = 0; i <= kSize; ++i) {
+      const float off = static_cast<float>(i) / kSteps;
+      log_likelihood[i] = std::log((1.0F - kOutlier) * std::exp(-0.5F * off) + kOutlier);
+    }
+  }
+};
+
+const HitTable& hit_table() {
+  static const HitTable table;
+  return table;
+}
+
+float look_up(const HitTable& table, float distance_m, float variance) {
+  const float at =
+      std::min(distance_m * distance_m / variance * HitTable::kSteps, static_cast<float>(HitTable::kSize) - 1.0F);
+  const auto i = static_cast<std::size_t>(at);
+  const float share = at - static_cast<float>(i);
+  return (1.0F - share) * table.log_likelihood[i] + share * table.log_likelihood[i + 1];
+}
+
+}  // namespace
+
 float hit_log_likelihood(float distance_m, float variance) {
-  const float off = distance_m * distance_m / variance;
-  if (off > 30.0F) return std::log(kOutlier);
-  return std::log((1.0F - kOutlier) * std::exp(-0.5F * off) + kOutlier);
+  return look_up(hit_table(), distance_m, variance);
 }
 
 MapFit fit_to_map(const MapGrid& grid, const JudgedBeams& beams, const Pose2& T, bool through, std::size_t stride) {
@@ -31,6 +61,7 @@ MapFit fit_to_map(const MapGrid& grid, const JudgedBeams& beams, const Pose2& T,
   const auto tx = static_cast<float>(T.x), ty = static_cast<float>(T.y);
   const float ox = c * beams.origin_x - s * beams.origin_y + tx, oy = s * beams.origin_x + c * beams.origin_y + ty;
   const float of_map = map_variance(grid);
+  const HitTable& table = hit_table();
   std::size_t count = 0, explained = 0, unmapped = 0, contradicting = 0;
   float sum = 0.0F;
   for (std::size_t i = 0; i < beams.size(); i += stride) {
@@ -50,7 +81,7 @@ MapFit fit_to_map(const MapGrid& grid, const JudgedBeams& beams, const Pose2& T,
     } else {
       explained += on;
       unmapped += !on;
-      sum += hit_log_likelihood(distance, variance);
+      sum += look_up(table, distance, variance);
     }
   }
   const double n = count > 0 ? static_cast<double>(count) : 1.0;

@@ -63,6 +63,7 @@ void report_hypotheses(const LocalizationMap::Data& map, const HypothesisSet& se
     estimate.confidence = i == 0 ? update.confidence : std::min(0.5, share * (1.0 - update.confidence));
     update.hypotheses.push_back(estimate);
   }
+  update.margin = set.margin();
   update.fit = set.all.front().at.fit;
   update.T_map_base = update.hypotheses.front().T_map_base;
   update.covariance = update.hypotheses.front().covariance;

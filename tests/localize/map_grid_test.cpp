@@ -93,8 +93,8 @@ TEST(ViewKernel, IsThePlainSumOfCappedDifferences) {
   Random random(5);
   constexpr std::size_t kTurns = 7;
   std::vector<std::uint8_t> view(kViewHalf), rotated(kTurns * kViewHalf), known(kTurns * kViewHalf);
-  for (auto& v : view) v = static_cast<std::uint8_t>(random.index(256));
-  for (auto& v : rotated) v = static_cast<std::uint8_t>(random.index(256));
+  for (auto& v : view) v = static_cast<std::uint8_t>(random.below(256));
+  for (auto& v : rotated) v = static_cast<std::uint8_t>(random.below(256));
   for (auto& v : known) v = random.chance(0.8) ? 255 : 0;
   std::uint16_t cost[kTurns];
   compare_at_all_turns(view.data(), 200, rotated.data(), known.data(), kTurns, cost);

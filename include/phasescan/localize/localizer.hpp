@@ -68,6 +68,7 @@ struct LocalizationUpdate {
   double confidence = 0.0;
   std::vector<PoseEstimate> hypotheses;  ///< best first; the first one is the pose above
   MapFit fit;
+  double margin = 0.0;    ///< of log-likelihood, by which the pose is ahead of the next one
   bool searched = false;  ///< the whole map was searched for this scan
   Twist2 twist;           ///< of the base [m/s, rad/s], 0 where time is unknown
 
