@@ -64,7 +64,7 @@ Json summary_of(const SlamResult& result, const SlamRun& run) {
             {"rejected_outvoted", loops.rejected_inconsistent},
             {"rejected_beyond_drift", loops.rejected_beyond_drift},
             {"rejected_alike", loops.rejected_alike}}},
-          {"path_length_m", rounded(path_length(result.trajectory()), 1e3)},
+          {"path_length_m", rounded(path_length(result), 1e3)},
           {"odometry",
            {{"used", run.odometry_used},
             {"assumed", run.odometry_assumed},
@@ -97,6 +97,7 @@ Json inputs_of(const SlamResult& result, const SlamRun& run) {
     Json line{{"log", std::filesystem::path(input.log).filename().string()},
               {"scans", input.scans},
               {"drive", input.session}};
+    if (!input.state.empty()) line["state"] = input.state;
     if (!result.parts.empty() && session < result.sessions.size())
       line["folder"] = std::to_string(result.sessions[session].part + 1);
     list.push_back(std::move(line));
@@ -240,6 +241,17 @@ double path_length(const std::vector<Pose2>& poses) {
     if (step < 0.02) continue;
     length += step;
     last = p;
+  }
+  return length;
+}
+
+double path_length(const SlamResult& result) {
+  const std::vector<Pose2> poses = result.trajectory();
+  double length = 0.0;
+  for (std::size_t s = 0; s < result.sessions.size(); ++s) {
+    const auto begin = poses.begin() + result.sessions[s].first_scan;
+    const auto end = s + 1 < result.sessions.size() ? poses.begin() + result.sessions[s + 1].first_scan : poses.end();
+    length += path_length(std::vector<Pose2>(begin, end));
   }
   return length;
 }

@@ -320,7 +320,7 @@ SlamResult Slam::finish() {
   if (deskewing.refuted() || self.state.earlier.deskewing_refuted) options.odometry.deskew = false;
   if (refined) poses = refine_trajectory(backend, self.state.store, poses, ledger, options.odometry);
   SlamResult result = make_result(backend, ledger, poses, refined, options);
-  make_parts(backend, ledger, poses, refined, options, result);
+  make_parts(backend, ledger, poses, refined, static_cast<std::size_t>(self.state.frame_session), options, result);
   self.state.earlier.add(self.tracker.state());
   result.wheels = self.state.earlier.wheels;
   result.oddities = self.state.input.oddities;
