@@ -26,13 +26,8 @@ struct MergeFlags {
 SlamOptions options_of(const MergeFlags& flags, const std::vector<LoadedRun>& loaded) {
   SlamOptions options = common_options(flags.states, loaded);
   if (!flags.common.config.empty()) {
-    const SlamOptions given = config_from(flags.common).slam;
-    const OptionDifferences differences = compare_options(given, options);
-    if (!differences.fatal.empty())
-      throw InputError(flags.common.config, 0,
-                       "has options that the states cannot go on with: " + differences.fatal.front() +
-                           "; expected those they were made with");
-    options = given;
+    options =
+        options_to_go_on({loaded.front().saved.state, options}, flags.common.config, config_from(flags.common).slam);
   }
   options.map.update = options.map.update || flags.update;
   return options;
