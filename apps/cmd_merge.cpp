@@ -24,11 +24,11 @@ struct MergeFlags {
 };
 
 SlamOptions options_of(const MergeFlags& flags, const std::vector<LoadedRun>& loaded) {
-  SlamOptions options = common_options(flags.states, loaded);
-  if (!flags.common.config.empty()) {
-    options =
-        options_to_go_on({loaded.front().saved.state, options}, flags.common.config, config_from(flags.common).slam);
-  }
+  refuse_other_keeping(flags.states, loaded);
+  const std::string& file = flags.common.config;
+  SlamOptions options = file.empty()
+                            ? common_options(flags.states, loaded)
+                            : options_to_go_on(loaded[begun_first(loaded)].saved, file, config_from(flags.common).slam);
   options.map.update = options.map.update || flags.update;
   return options;
 }

@@ -77,22 +77,33 @@ void refuse_same_drive(const std::vector<std::string>& paths, const std::vector<
   }
 }
 
-SlamOptions common_options(const std::vector<std::string>& paths, const std::vector<LoadedRun>& loaded) {
+std::size_t begun_first(const std::vector<LoadedRun>& loaded) {
   const auto begins = [](const LoadedRun& run) { return summarize(run.saved.state).first_stamp; };
   const auto first = std::min_element(loaded.begin(), loaded.end(),
                                       [&](const LoadedRun& a, const LoadedRun& b) { return begins(a) < begins(b); });
-  const auto at = static_cast<std::size_t>(first - loaded.begin());
-  for (std::size_t i = 0; i < loaded.size(); ++i) {
-    const OptionDifferences differences = compare_options(first->saved.options, loaded[i].saved.options);
+  return static_cast<std::size_t>(first - loaded.begin());
+}
+
+void refuse_other_keeping(const std::vector<std::string>& paths, const std::vector<LoadedRun>& loaded) {
+  for (std::size_t i = 1; i < loaded.size(); ++i) {
+    const OptionDifferences differences = compare_options(loaded[i].saved.options, loaded.front().saved.options);
     if (!differences.fatal.empty())
       throw InputError(paths[i], 0,
-                       "was made with other options than " + paths[at] + " (" + joined(differences.fatal) +
+                       "was made with other options than " + paths.front() + " (" + joined(differences.fatal) +
                            "); expected states whose scans are kept in one way");
+  }
+}
+
+SlamOptions common_options(const std::vector<std::string>& paths, const std::vector<LoadedRun>& loaded) {
+  const std::size_t first = begun_first(loaded);
+  const SlamOptions& options = loaded[first].saved.options;
+  for (std::size_t i = 0; i < loaded.size(); ++i) {
+    const OptionDifferences differences = compare_options(options, loaded[i].saved.options);
     if (!differences.harmless.empty())
-      warn(paths[i] + ": was made with other options than " + paths[at] +
+      warn(paths[i] + ": was made with other options than " + paths[first] +
            ", whose are used: " + joined(differences.harmless));
   }
-  return first->saved.options;
+  return options;
 }
 
 }  // namespace phasescan::app

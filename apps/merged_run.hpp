@@ -17,8 +17,11 @@ SlamRun merge_runs(const std::vector<std::string>& paths, const std::vector<Load
 /// @throws InputError where two states hold the same drive: it would count twice
 void refuse_same_drive(const std::vector<std::string>& paths, const std::vector<LoadedRun>& loaded);
 
+/// Which of the runs began first.
+std::size_t begun_first(const std::vector<LoadedRun>& loaded);
+/// @throws InputError where their scans are not kept in one way
+void refuse_other_keeping(const std::vector<std::string>& paths, const std::vector<LoadedRun>& loaded);
 /// The options of all, where none are given: those of the run that began first. Warns where others differ.
-/// @throws InputError where scans are kept in two ways
 SlamOptions common_options(const std::vector<std::string>& paths, const std::vector<LoadedRun>& loaded);
 
 }  // namespace phasescan::app

@@ -208,7 +208,7 @@ TEST_F(SavedRuns, WhatMergeRefuses) {
   expect_one_line(call("merge @a.state --out @x --save @x/map.pgm"), 2, "is a file of --out");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "x/summary.json"));
   const auto differs = call("merge @a.state @coarse.state --out @x");
-  EXPECT_EQ(differs.code, 0);
+  EXPECT_EQ(differs.code, 0) << differs.err;
   EXPECT_THAT(differs.err, HasSubstr("odometry.cell_m 0.1, was 0.15"));
 }
 
