@@ -6,6 +6,7 @@
 #include "commands.hpp"
 #include "in_the_way.hpp"
 #include "io/file.hpp"
+#include "io/leftovers.hpp"
 #include "merged_run.hpp"
 #include "people.hpp"
 #include "phasescan/io/error.hpp"

@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "io/file.hpp"
+#include "io/leftovers.hpp"
 #include "phasescan/io/error.hpp"
 #include "state/reader.hpp"
 #include "state/writer.hpp"

@@ -122,10 +122,6 @@ class FileSet {
 /// the process.
 void drop_unfinished_files() noexcept;
 
-/// Deletes what processes that are gone left beside `path`: a kill in the middle of a write leaves its temporary file.
-/// Never fails: what cannot be deleted stays.
-void drop_leftovers(const std::string& path) noexcept;
-
 /// Makes a folder and those above it. @throws InputError if a file is in the way, SystemError
 void make_folder(const std::string& path);
 

@@ -14,6 +14,7 @@
 
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
+#include "io/leftovers.hpp"
 
 namespace phasescan {
 namespace {
