@@ -10,7 +10,6 @@ import json
 import os
 import pathlib
 import random
-import re
 import subprocess
 import tempfile
 
@@ -54,7 +53,9 @@ def drive(folder, name, world, sensor, seed, after_s, first):
     truth = simulate(f"{log}.raw", world, sensor, seed, first)
     with open(f"{log}.raw") as lines, open(log, "w") as out:
         for line in lines:
-            out.write(re.sub(r'"stamp": ?([0-9.e+-]+)', lambda m: f'"stamp": {float(m.group(1)) + after_s:.6f}', line))
+            scan = json.loads(line)
+            scan["stamp"] = round(scan.get("stamp", 0.0) + after_s, 6)  # the first one stands at 0 and is left out
+            out.write(json.dumps(scan) + "\n")
     call("slam", log, "--out", f"{folder}/{name}", "--save", f"{folder}/{name}.state", "--no-times")
     return truth
 
