@@ -144,8 +144,8 @@ AtomicFile::AtomicFile(const std::string& path) : handle_(std::make_unique<Handl
     if (h.fd < 0) refuse(path, "cannot be written", errno);
   } else {
     static std::atomic<unsigned> counter{0};
-    const std::string temporary = folder_of(h.target) + "/" + temporary_prefix(h.target) +
-                                  std::to_string(::getpid()) + "-" + std::to_string(counter++);
+    const std::string temporary = folder_of(h.target) + "/" + temporary_prefix(h.target) + std::to_string(::getpid()) +
+                                  "-" + std::to_string(counter++);
     h.slot = unfinished.add(temporary);
     h.fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (h.fd < 0) {

@@ -13,7 +13,8 @@ namespace {
 constexpr double kStepsPerUnit = 20.0;
 constexpr int kNeighbourBeams = 5;
 constexpr double kMissingShare = 0.8;
-constexpr double kSureLogOdds = 1.4;  // a probability of 0.8: a free cell of make_trinary, and more than an occupied one
+constexpr double kSureLogOdds =
+    1.4;  // a probability of 0.8: a free cell of make_trinary, and more than an occupied one
 
 int floor_div(int a, int b) {
   return a >= 0 ? a / b : -((-a + b - 1) / b);
