@@ -173,8 +173,7 @@ TEST_P(Merge, ASavedMergedRunEndsWithTheSameBytes) {
   EXPECT_EQ(again.sessions[3].part, again.sessions[0].part);
 }
 
-INSTANTIATE_TEST_SUITE_P(Memory, Merge, ::testing::Bool(),
-                         [](const auto& info) { return info.param ? "bounded" : "all"; });
+INSTANTIATE_TEST_SUITE_P(Bounded, Merge, ::testing::Bool());
 
 /// Cells of a box's sides that are occupied, and how many there are.
 std::pair<int, int> occupied_of_box(const SlamResult& result, const Pose2& T_map_world, double x1, double y1, double x2,
