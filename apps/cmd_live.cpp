@@ -3,11 +3,16 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <memory>
+#include <tuple>
+#include <vector>
 
 #include "command_list.hpp"
 #include "commands.hpp"
 #include "io/file.hpp"
 #include "live/port.hpp"
+#include "live_commands.hpp"
+#include "live_serve.hpp"
 #include "live_sources.hpp"
 #include "people.hpp"
 #include "phasescan/live/live.hpp"
@@ -18,7 +23,7 @@ namespace {
 struct LiveFlags {
   CommonFlags common;
   LogOptions options;
-  std::string port, replay, sensor, raw;
+  std::string port, replay, sensor, raw, serve, folder = ".";
   bool demo = false, json = false, list = false;
 };
 
@@ -48,12 +53,50 @@ int print_list() {
   return kDone;
 }
 
-std::unique_ptr<live::LiveSource> source_of(const LiveFlags& flags) {
+/// Where scans come from; `replay` is the same where it is a log.
+struct Source {
+  std::unique_ptr<live::LiveSource> source;
+  ReplaySource* replay = nullptr;
+};
+
+Source source_of(const LiveFlags& flags) {
   const int sources = (flags.port.empty() ? 0 : 1) + (flags.replay.empty() ? 0 : 1) + (flags.demo ? 1 : 0);
   if (sources != 1) throw std::invalid_argument("live: expected one of --port PORT, --replay LOG, --demo");
-  if (flags.demo) return demo_source(flags.common.seed);
-  if (!flags.replay.empty()) return replay_source(flags.replay, flags.options);
-  return live::open_sensor(flags.port, flags.sensor, flags.raw);
+  if (flags.demo) return {demo_source(flags.common.seed)};
+  if (flags.replay.empty()) return {live::open_sensor(flags.port, flags.sensor, flags.raw)};
+  auto replay = replay_source(flags.replay, flags.options);
+  ReplaySource* steered = replay.get();
+  return {std::move(replay), steered};
+}
+
+/// Poses for who called the command: JSON lines, a line that is written over, or a line where the status changes.
+class ConsoleSink final : public live::LiveSink {
+ public:
+  ConsoleSink(bool json, bool terminal) : json_(json), terminal_(terminal) {}
+  void take(const live::LiveUpdate& update) override {
+    if (json_) {
+      print(json_line(update));
+      flush();
+      return;
+    }
+    const Pose2 pose = update.update.T_map_base();
+    if (terminal_) {
+      std::fprintf(stderr, "\r%-12s x %7.2f m  y %7.2f m  heading %6.1f deg  %5.1f ms ",
+                   to_string(update.update.status), pose.x, pose.y, rad_to_deg(pose.theta), update.latency_ms);
+    } else if (to_string(update.update.status) != before_) {
+      before_ = to_string(update.update.status);
+      std::fprintf(stderr, "phasescan: %s\n", before_.c_str());
+    }
+  }
+
+ private:
+  bool json_, terminal_;
+  std::string before_;
+};
+
+std::string source_text(const LiveFlags& flags) {
+  if (flags.demo) return "demo";
+  return flags.replay.empty() ? flags.port : flags.replay;
 }
 
 int run_live_command(const LiveFlags& flags) {
@@ -61,32 +104,29 @@ int run_live_command(const LiveFlags& flags) {
   if (!flags.raw.empty() && flags.port.empty())
     throw std::invalid_argument("--raw: keeps what a port sends; expected --port with it");
   const Config config = config_from(flags.common);
-  const std::unique_ptr<live::LiveSource> source = source_of(flags);
+  const Source from = source_of(flags);
   ThreadExecutor executor;
   Slam slam(config.slam, Schedule::kLatest, &executor);
+  const std::unique_ptr<live::LiveEngine> engine =
+      live::slam_engine(slam, [&] { return Slam(config.slam, Schedule::kLatest, &executor); });
+  live::LiveTasks tasks;
   const InterruptGuard guard;
   const bool terminal = ::isatty(STDERR_FILENO) != 0 && !flags.json;
-  std::string before;
-  const auto show = [&](const live::LiveUpdate& update) {
-    if (flags.json) {
-      print(json_line(update));
-      flush();
-      return;
-    }
-    const Pose2 pose = update.update.T_map_base();
-    if (terminal) {
-      std::fprintf(stderr, "\r%-12s x %7.2f m  y %7.2f m  heading %6.1f deg  %5.1f ms ",
-                   to_string(update.update.status), pose.x, pose.y, rad_to_deg(pose.theta), update.latency_ms);
-    } else if (to_string(update.update.status) != before) {
-      before = to_string(update.update.status);
-      std::fprintf(stderr, "phasescan: %s\n", before.c_str());
-    }
-  };
+  ConsoleSink console(flags.json, terminal);
+  LiveSaver saver(slam, flags.folder);
+  LiveCommands commands(*engine, tasks, from.replay, &saver);
+  LiveShow show(source_text(flags), config.slam, commands);
+  std::vector<live::LiveSink*> sinks{&console, &show.board};
   const auto tell = [&](const std::string& text) {
     std::fprintf(stderr, "%sphasescan: %s\n", terminal ? "\n" : "", text.c_str());
+    show.board.tell(text);
   };
+  const std::unique_ptr<serve::Server> server = serve_run(flags.serve, live_router(show), tell);
+  if (server) sinks.push_back(show.viewer.get());
+  if (server && from.replay != nullptr) from.replay->set_watched([&] { return server->counts().web_sockets > 0; });
   const live::LiveSummary summary = live::run_live(
-      *source, slam, [] { return InterruptGuard::interrupted(); }, show, tell);
+      *source, *engine, sinks, &tasks, [] { return InterruptGuard::interrupted(); }, tell);
+  saver.wait();  // its answer goes through the server
   if (terminal) std::fprintf(stderr, "\n");
   tell(fmt::format("{} scans, {} left out because they came faster than they were used, at most {:.1f} ms late",
                    summary.scans, summary.dropped, summary.worst_latency_ms));
@@ -112,6 +152,16 @@ void add_live_command(CLI::App& app, CommandBody& body) {
   command->add_flag("--json", flags->json, "a JSON line per scan on standard output");
   command->add_option("--raw", flags->raw, "keeps the bytes as they come, with their times")
       ->type_name("FILE")
+      ->check(not_empty());
+  command
+      ->add_option("--serve", flags->serve,
+                   "where the run is shown: a page, its status, other protocols; 'off': nowhere")
+      ->type_name("ADDR:PORT")
+      ->default_str("127.0.0.1:8080")
+      ->check(not_empty());
+  command->add_option("--folder", flags->folder, "where the page saves maps and states")
+      ->type_name("DIR")
+      ->capture_default_str()
       ->check(not_empty());
   command->add_flag("--list", flags->list, "ports found and sensors known");
   add_log_flags(*command, flags->options);

@@ -35,7 +35,25 @@ class BoundedQueue {
     if (values_.empty()) return std::nullopt;
     T value = std::move(values_.front());
     values_.pop_front();
+    emptied_.notify_one();
     return value;
+  }
+
+  /// As pop, but gives up after a while: then `timed_out` is true.
+  std::optional<T> pop_for(std::chrono::milliseconds longest, bool& timed_out) {
+    std::unique_lock lock(mutex_);
+    timed_out = !filled_.wait_for(lock, longest, [this] { return closed_ || !values_.empty(); });
+    if (values_.empty()) return std::nullopt;
+    T value = std::move(values_.front());
+    values_.pop_front();
+    emptied_.notify_one();
+    return value;
+  }
+
+  /// Waits a while for room; whether there is some.
+  bool wait_for_room(std::chrono::milliseconds longest) {
+    std::unique_lock lock(mutex_);
+    return emptied_.wait_for(lock, longest, [this] { return closed_ || values_.size() < most_; });
   }
 
   /// Nothing more comes. What is in it can still be taken.
@@ -55,7 +73,7 @@ class BoundedQueue {
  private:
   const std::size_t most_;
   mutable std::mutex mutex_;
-  std::condition_variable filled_;
+  std::condition_variable filled_, emptied_;
   std::deque<T> values_;
   std::uint64_t dropped_ = 0;
   bool closed_ = false;
