@@ -31,18 +31,26 @@ const view = (() => {
     ask();
   }
 
-  /// Room that cards take away at the top and the bottom of the screen.
   function fit() {
     const scan = world.state.scan, known = world.state.bounds;
     let b = known;
     if (!b && !scan) return;
     if (!b) b = [scan.x - 5, scan.y - 5, scan.x + 5, scan.y + 5];
-    const narrow = canvas.clientWidth < 640;
-    const left = narrow ? 16 : 24, right = narrow ? 70 : document.getElementById("panel").classList.contains("open") ? 386 : 78, top = narrow ? 96 : 92, bottom = 72;
-    const w = canvas.clientWidth - left - right, h = canvas.clientHeight - top - bottom;
-    goal.scale = Math.max(2, Math.min(120, w / (b[2] - b[0] + 0.4), h / (b[3] - b[1] + 0.4)));
-    goal.x = (b[0] + b[2]) / 2 + (right - left) / 2 / goal.scale;
-    goal.y = (b[1] + b[3]) / 2 + (top - bottom) / 2 / goal.scale;
+    // Beside the buttons, or below them: where the map is larger.
+    const panel = document.getElementById("panel"), tools = document.getElementById("tools").getBoundingClientRect();
+    const narrow = canvas.clientWidth < 640, open = panel.classList.contains("open"), width = canvas.clientWidth, height = canvas.clientHeight;
+    const low_cards = ["alarm", "replay"].map((id) => document.getElementById(id)).filter((card) => !card.hidden && card.offsetTop > height / 2);
+    const bottom = narrow && open ? panel.offsetHeight + 16 : Math.max(narrow ? 24 : 64, ...low_cards.map((card) => height - card.offsetTop + 12)), beside = open && !narrow ? width - panel.offsetLeft : width - tools.left;
+    const rooms = [[16, beside + 16, 92, bottom]];
+    if (narrow) rooms.push([16, 16, tools.bottom + 8, bottom]);
+    goal.scale = 0;
+    for (const [left, right, top, low] of rooms) {
+      const scale = Math.max(2, Math.min(120, (width - left - right) / (b[2] - b[0] + 0.4), (height - top - low) / (b[3] - b[1] + 0.4)));
+      if (scale <= goal.scale) continue;
+      goal.scale = scale;
+      goal.x = (b[0] + b[2]) / 2 + (right - left) / 2 / scale;
+      goal.y = (b[1] + b[3]) / 2 + (top - low) / 2 / scale;
+    }
   }
 
   /// Moves a part of the way to where it should look; true when it is there.

@@ -97,7 +97,6 @@
     const replay = now.replay && now.replay.duration_s > 0 ? now.replay : null;
     el("replay").hidden = !replay;
     el("toasts").style.bottom = el("hint").style.bottom = replay ? "" : "24px";
-    el("scale").classList.toggle("behind", !!replay);
     if (replay && !sliding) {
       el("time").value = 1000 * replay.time_s / replay.duration_s;
       el("time-text").textContent = `${clock(replay.time_s)} / ${clock(replay.duration_s)}`;
@@ -135,6 +134,7 @@
   el("hint-cancel").onclick = () => aim(false);
   el("find").onclick = el("alarm-find").onclick = find;
   el("more").onclick = () => panel(!el("panel").classList.contains("open"));
+  el("close").onclick = () => panel(false);
   el("save").onclick = () => wire.ask("save", { name: name() }, answer);
   el("record").onclick = () => (status && status.recording ? wire.ask("stop", {}, answer) : wire.ask("record", { name: name() }, answer));
   el("name").oninput = () => {
