@@ -1,21 +1,21 @@
 // phasescan live: a sensor plugged in, poses as they come.
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cstdio>
 #include <memory>
-#include <tuple>
+#include <optional>
 #include <vector>
 
 #include "command_list.hpp"
 #include "commands.hpp"
-#include "io/file.hpp"
 #include "live/port.hpp"
 #include "live_commands.hpp"
+#include "live_keeping.hpp"
+#include "live_output.hpp"
 #include "live_serve.hpp"
 #include "live_sources.hpp"
-#include "people.hpp"
+#include "phasescan/io/error.hpp"
 #include "phasescan/live/live.hpp"
+#include "saved_run.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -23,21 +23,10 @@ namespace {
 struct LiveFlags {
   CommonFlags common;
   LogOptions options;
+  KeepingFlags keeping;
   std::string port, replay, sensor, raw, serve, folder = ".";
   bool demo = false, json = false, list = false;
 };
-
-std::string json_line(const live::LiveUpdate& live) {
-  const ScanUpdate& update = live.update;
-  const Pose2 pose = update.T_map_base();
-  std::string line =
-      fmt::format(R"({{"stamp": {:.6f}, "status": "{}", "pose": {{"x": {:.4f}, "y": {:.4f}, "theta": {:.5f}}}, )",
-                  stamp_to_seconds(update.stamp), to_string(update.status), pose.x, pose.y, pose.theta);
-  const Eigen::Matrix3d covariance = update.map_covariance.value_or(update.odom_covariance);
-  line += "\"covariance\": [";
-  for (int i = 0; i < 9; ++i) line += fmt::format("{}{:.6g}", i > 0 ? ", " : "", covariance(i / 3, i % 3));
-  return line + fmt::format("], \"confidence\": {:.3f}, \"latency_ms\": {:.2f}}}\n", live.confidence, live.latency_ms);
-}
 
 int print_list() {
   const std::vector<live::ListedPort> ports = live::list_ports();
@@ -69,67 +58,74 @@ Source source_of(const LiveFlags& flags) {
   return {std::move(replay), steered};
 }
 
-/// Poses for who called the command: JSON lines, a line that is written over, or a line where the status changes.
-class ConsoleSink final : public live::LiveSink {
- public:
-  ConsoleSink(bool json, bool terminal) : json_(json), terminal_(terminal) {}
-  void take(const live::LiveUpdate& update) override {
-    if (json_) {
-      print(json_line(update));
-      flush();
-      return;
-    }
-    const Pose2 pose = update.update.T_map_base();
-    if (terminal_) {
-      std::fprintf(stderr, "\r%-12s x %7.2f m  y %7.2f m  heading %6.1f deg  %5.1f ms ",
-                   to_string(update.update.status), pose.x, pose.y, rad_to_deg(pose.theta), update.latency_ms);
-    } else if (to_string(update.update.status) != before_) {
-      before_ = to_string(update.update.status);
-      std::fprintf(stderr, "phasescan: %s\n", before_.c_str());
-    }
-  }
-
- private:
-  bool json_, terminal_;
-  std::string before_;
-};
-
 std::string source_text(const LiveFlags& flags) {
   if (flags.demo) return "demo";
   return flags.replay.empty() ? flags.port : flags.replay;
+}
+
+/// A run that begins, or goes on with --resume.
+struct BegunRun {
+  std::optional<SavedRun> saved;
+  SlamOptions options;
+};
+
+BegunRun begin(const LiveFlags& flags, const Config& config) {
+  if (flags.keeping.resume.empty()) return {std::nullopt, config.slam};
+  BegunRun begun{load_run(flags.keeping.resume).saved, {}};
+  begun.options = options_to_go_on(*begun.saved, flags.common.config, config.slam);
+  return begun;
+}
+
+Slam slam_of(const BegunRun& begun, Executor* executor) {
+  if (begun.saved) return Slam(begun.saved->state, begun.options, Schedule::kLatest, executor);
+  return Slam(begun.options, Schedule::kLatest, executor);
 }
 
 int run_live_command(const LiveFlags& flags) {
   if (flags.list) return print_list();
   if (!flags.raw.empty() && flags.port.empty())
     throw std::invalid_argument("--raw: keeps what a port sends; expected --port with it");
-  const Config config = config_from(flags.common);
-  const Source from = source_of(flags);
+  LiveOutput output(flags.json);
+  BegunRun begun = begin(flags, config_from(flags.common));
+  Source from = source_of(flags);
   ThreadExecutor executor;
-  Slam slam(config.slam, Schedule::kLatest, &executor);
-  const std::unique_ptr<live::LiveEngine> engine =
-      live::slam_engine(slam, [&] { return Slam(config.slam, Schedule::kLatest, &executor); });
+  Slam slam = slam_of(begun, &executor);
+  const std::unique_ptr<live::LiveEngine> engine = live::slam_engine(slam, [&] { return slam_of(begun, &executor); });
   live::LiveTasks tasks;
-  const InterruptGuard guard;
-  const bool terminal = ::isatty(STDERR_FILENO) != 0 && !flags.json;
-  ConsoleSink console(flags.json, terminal);
-  LiveSaver saver(slam, flags.folder);
-  LiveCommands commands(*engine, tasks, from.replay, &saver);
-  LiveShow show(source_text(flags), config.slam, commands);
-  std::vector<live::LiveSink*> sinks{&console, &show.board};
+  serve::StatusBoard board(source_text(flags));
   const auto tell = [&](const std::string& text) {
-    std::fprintf(stderr, "%sphasescan: %s\n", terminal ? "\n" : "", text.c_str());
-    show.board.tell(text);
+    output.tell(text);
+    board.tell(text);
   };
+  LiveSaver saver(slam, flags.folder);
+  LiveRecording recording(flags.folder, tell);
+  LiveCommands commands(*engine, tasks, from.replay, &saver, &recording);
+  const LiveShow show(begun.options, board, commands);
+  LiveKeeping keeping(flags.keeping, begun.options.slam.autosave_s, tell);
+  if (begun.saved && begun.saved->state.scans() > 0)
+    from.source = resumed(std::move(from.source), slam, summarize(begun.saved->state).last_stamp,
+                          begun.options.slam.session_gap_s);
+  if (from.replay == nullptr) begun.saved.reset();  // only a log begins again
+  const InterruptGuard guard;
   const std::unique_ptr<serve::Server> server = serve_run(flags.serve, live_router(show), tell);
-  if (server) sinks.push_back(show.viewer.get());
   if (server && from.replay != nullptr) from.replay->set_watched([&] { return server->counts().web_sockets > 0; });
-  const live::LiveSummary summary = live::run_live(
-      *source, *engine, sinks, &tasks, [] { return InterruptGuard::interrupted(); }, tell);
+  std::vector<live::LiveSink*> sinks{&output, &keeping, &board};
+  if (server) sinks.insert(sinks.end(), {&recording, show.viewer.get()});
+  live::LiveSummary summary;
+  try {
+    summary = live::run_live(
+        *from.source, *engine, sinks, &tasks, [] { return InterruptGuard::interrupted(); }, tell,
+        [&] { keeping.between(slam); });
+  } catch (...) {
+    saver.wait();
+    keeping.finish(slam);
+    throw;
+  }
   saver.wait();  // its answer goes through the server
-  if (terminal) std::fprintf(stderr, "\n");
+  output.end();
   tell(fmt::format("{} scans, {} left out because they came faster than they were used, at most {:.1f} ms late",
                    summary.scans, summary.dropped, summary.worst_latency_ms));
+  if (!keeping.finish(slam)) throw SystemError("live", "not all that was to be kept could be written");
   if (summary.scans == 0 && !InterruptGuard::interrupted()) return fail("not one scan came", kAnswerIsNo);
   return kDone;
 }
@@ -164,6 +160,7 @@ void add_live_command(CLI::App& app, CommandBody& body) {
       ->capture_default_str()
       ->check(not_empty());
   command->add_flag("--list", flags->list, "ports found and sensors known");
+  add_keeping_flags(*command, flags->keeping);
   add_log_flags(*command, flags->options);
   add_config_flag(*command, flags->common);
   add_seed_flag(*command, flags->common);

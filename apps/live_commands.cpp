@@ -24,12 +24,22 @@ void LiveCommands::relocalise(serve::CommandDone done) {
   between_scans([this] { return engine_.relocalise(); }, std::move(done));
 }
 
-void LiveCommands::start_recording(const std::string&, serve::CommandDone done) {
-  done(false, "this run records nothing");
+void LiveCommands::start_recording(const std::string& name, serve::CommandDone done) {
+  if (recording_ == nullptr) return done(false, "this run records nothing");
+  try {
+    done(true, recording_->start(name) + " is being recorded");
+  } catch (const std::exception& error) {
+    done(false, error.what());
+  }
 }
 
 void LiveCommands::stop_recording(serve::CommandDone done) {
-  done(false, "this run records nothing");
+  if (recording_ == nullptr) return done(false, "this run records nothing");
+  try {
+    done(true, recording_->stop() + " is recorded");
+  } catch (const std::exception& error) {
+    done(false, error.what());
+  }
 }
 
 void LiveCommands::save(const std::string& name, serve::CommandDone done) {
@@ -48,6 +58,8 @@ serve::ControlState LiveCommands::state() const {
   serve::ControlState state;
   state.can_set_pose = true;
   state.can_save = saver_ != nullptr;
+  state.can_record = recording_ != nullptr;
+  if (recording_ != nullptr) state.recording = recording_->name();
   if (replay_ != nullptr) state.replay = replay_->state();
   return state;
 }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "live_recording.hpp"
 #include "live_saver.hpp"
 #include "live_sources.hpp"
 #include "phasescan/live/live.hpp"
@@ -15,8 +16,9 @@ class LiveCommands final : public serve::LiveControl {
  public:
   /// What is given must outlive this object. @param replay  null: no log is replayed. @param saver  null: there is
   /// nothing to save
-  LiveCommands(live::LiveEngine& engine, live::LiveTasks& tasks, ReplaySource* replay, LiveSaver* saver)
-      : engine_(engine), tasks_(tasks), replay_(replay), saver_(saver) {}
+  LiveCommands(live::LiveEngine& engine, live::LiveTasks& tasks, ReplaySource* replay, LiveSaver* saver,
+               LiveRecording* recording)
+      : engine_(engine), tasks_(tasks), replay_(replay), saver_(saver), recording_(recording) {}
 
   serve::ControlState state() const override;
 
@@ -35,6 +37,7 @@ class LiveCommands final : public serve::LiveControl {
   live::LiveTasks& tasks_;
   ReplaySource* replay_;
   LiveSaver* saver_;
+  LiveRecording* recording_;
 };
 
 }  // namespace phasescan::app

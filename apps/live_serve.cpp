@@ -7,9 +7,9 @@
 
 namespace phasescan::app {
 
-LiveShow::LiveShow(const std::string& source, const SlamOptions& options, serve::LiveControl& live_control)
-    : control(live_control),
-      board(source),
+LiveShow::LiveShow(const SlamOptions& options, const serve::StatusBoard& status_board, serve::LiveControl& live_control)
+    : board(status_board),
+      control(live_control),
       viewer(std::make_shared<serve::Viewer>(options, live_control, [this] { return status(); })) {}
 
 serve::Router live_router(const LiveShow& show) {

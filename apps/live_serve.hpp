@@ -14,12 +14,13 @@ namespace phasescan::app {
 
 /// What is shown of a run.
 struct LiveShow {
-  LiveShow(const std::string& source, const SlamOptions& options, serve::LiveControl& live_control);
+  /// What is given must outlive it.
+  LiveShow(const SlamOptions& options, const serve::StatusBoard& status_board, serve::LiveControl& live_control);
   /// The run in numbers, as `/api/status` has them.
   std::string status() const { return to_json(board.status(), control.state()); }
 
+  const serve::StatusBoard& board;
   serve::LiveControl& control;
-  serve::StatusBoard board;
   std::shared_ptr<serve::Viewer> viewer;
 };
 

@@ -39,15 +39,26 @@ class BoundedQueue {
     return value;
   }
 
-  /// As pop, but gives up after a while: then `timed_out` is true.
-  std::optional<T> pop_for(std::chrono::milliseconds longest, bool& timed_out) {
+  /// As pop, but waits no longer than this; then nothing, too.
+  template <class Duration>
+  std::optional<T> pop_within(Duration time) {
     std::unique_lock lock(mutex_);
-    timed_out = !filled_.wait_for(lock, longest, [this] { return closed_ || !values_.empty(); });
+    filled_.wait_for(lock, time, [this] { return closed_ || !values_.empty(); });
     if (values_.empty()) return std::nullopt;
     T value = std::move(values_.front());
     values_.pop_front();
     emptied_.notify_one();
     return value;
+  }
+
+  bool empty() const {
+    const std::lock_guard lock(mutex_);
+    return values_.empty();
+  }
+  /// Closed, and all was taken.
+  bool ended() const {
+    const std::lock_guard lock(mutex_);
+    return closed_ && values_.empty();
   }
 
   /// Waits a while for room; whether there is some.

@@ -67,13 +67,12 @@ class SinkThread {
 
 /// Scans in, updates out to all sinks; tasks between them.
 void track(BoundedQueue<LiveScan>& scans, LiveEngine& engine, LiveTasks* tasks,
-           const std::vector<std::unique_ptr<SinkThread>>& sinks, LiveSummary& summary) {
-  while (true) {
-    if (tasks != nullptr) LiveRunAccess::run(*tasks);
-    bool timed_out = false;
-    auto scan = scans.pop_for(kTaskWait, timed_out);
-    if (timed_out) continue;
-    if (!scan) return;
+           const std::vector<std::unique_ptr<SinkThread>>& sinks, const std::function<void()>& between,
+           LiveSummary& summary) {
+  while (!scans.ended()) {
+    if (tasks != nullptr && summary.scans > 0) LiveRunAccess::run(*tasks);
+    auto scan = scans.pop_within(kTaskWait);
+    if (!scan) continue;
     if (scan->restarts) engine.restart();
     auto update = std::make_shared<LiveUpdate>(
         engine.add(std::make_shared<const RangeMeasurement>(std::move(scan->measurement))));
@@ -83,20 +82,22 @@ void track(BoundedQueue<LiveScan>& scans, LiveEngine& engine, LiveTasks* tasks,
     ++summary.scans;
     summary.worst_latency_ms = std::max(summary.worst_latency_ms, update->latency_ms);
     for (const auto& sink : sinks) sink->push(update);
+    if (between && scans.empty()) between();
   }
 }
 
 }  // namespace
 
 LiveSummary run_live(LiveSource& source, LiveEngine& engine, const std::vector<LiveSink*>& sinks, LiveTasks* tasks,
-                     const std::function<bool()>& stop, const std::function<void(const std::string&)>& tell) {
+                     const std::function<bool()>& stop, const std::function<void(const std::string&)>& tell,
+                     const std::function<void()>& between) {
   BoundedQueue<LiveScan> scans(kScans);
   FirstFailure failure;
   std::vector<std::unique_ptr<SinkThread>> shown;
   for (LiveSink* sink : sinks) shown.push_back(std::make_unique<SinkThread>(*sink, failure));
   LiveSummary summary;
   std::thread tracking([&] {
-    failure.guard([&] { track(scans, engine, tasks, shown, summary); });
+    failure.guard([&] { track(scans, engine, tasks, shown, between, summary); });
     if (tasks != nullptr) failure.guard([&] { LiveRunAccess::end(*tasks); });
   });
   failure.guard([&] {

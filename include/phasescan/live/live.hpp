@@ -53,7 +53,7 @@ struct LiveUpdate {
   double latency_ms = 0.0;    ///< from the last byte of the scan to this
   std::uint64_t dropped = 0;  ///< scans so far that came faster than they were used
   std::shared_ptr<const RangeMeasurement> measurement;  ///< the scan itself; never null
-  std::shared_ptr<const MapSnapshot> map;               ///< as the last result left it; null where there is no graph
+  std::shared_ptr<const MapSnapshot> map;               ///< as the last result left it; never null
   std::vector<LiveLoop> loops;                          ///< that entered or left with this scan
   std::vector<std::string> warnings;                    ///< what was odd about this scan, for people
   bool restarted = false;                               ///< all began anew with this scan
@@ -112,9 +112,12 @@ struct LiveSummary {
 /// Source, engine and each sink, all in their own threads with bounded queues between them: where one is too slow the
 /// oldest scan is left out and counted. Returns when the source ends or `stop` says so, all threads joined and every
 /// scan that was in a queue done.
-/// @param tasks  null: none
+/// @param tasks    null: none; they wait for the first scan
+/// @param between  by the thread that tracks, after a scan where no other waits: may read the run, as Slam::checkpoint
+///                 does. What it takes longer than to the next scan makes that one late. Empty: nothing
 /// @throws what the source, the engine, a task or a sink throws
 LiveSummary run_live(LiveSource& source, LiveEngine& engine, const std::vector<LiveSink*>& sinks, LiveTasks* tasks,
-                     const std::function<bool()>& stop, const std::function<void(const std::string&)>& tell);
+                     const std::function<bool()>& stop, const std::function<void(const std::string&)>& tell,
+                     const std::function<void()>& between = {});
 
 }  // namespace phasescan::live
