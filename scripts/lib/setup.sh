@@ -8,7 +8,7 @@ cd "$ROOT"
 PACKAGES=(build-essential cmake ninja-build pkg-config ccache git
   libeigen3-dev libfftw3-dev libkissfft-dev libnanoflann-dev libceres-dev libhwy-dev
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libyaml-cpp-dev
-  zlib1g-dev liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev libpng-dev libserialport-dev)
+  zlib1g-dev liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev libpng-dev libserialport-dev libboost-dev)
 TEST_PACKAGES=(clang-14 clang-format-14 libclang-rt-14-dev libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
   python3 python3-numpy python3-pil python3-rosbag librsvg2-bin valgrind groff-base chromium)
 command -v npm >/dev/null || TEST_PACKAGES+=(nodejs npm)
