@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "live/port.hpp"
 #include "live_commands.hpp"
+#include "live_health.hpp"
 #include "live_keeping.hpp"
 #include "live_output.hpp"
 #include "live_serve.hpp"
@@ -26,6 +27,7 @@ struct LiveFlags {
   KeepingFlags keeping;
   std::string port, replay, sensor, raw, serve, folder = ".";
   bool demo = false, json = false, list = false;
+  std::string health;  ///< of a run that is asked
 };
 
 int print_list() {
@@ -52,7 +54,7 @@ Source source_of(const LiveFlags& flags) {
   const int sources = (flags.port.empty() ? 0 : 1) + (flags.replay.empty() ? 0 : 1) + (flags.demo ? 1 : 0);
   if (sources != 1) throw std::invalid_argument("live: expected one of --port PORT, --replay LOG, --demo");
   if (flags.demo) return {demo_source(flags.common.seed)};
-  if (flags.replay.empty()) return {live::open_sensor(flags.port, flags.sensor, flags.raw)};
+  if (flags.replay.empty()) return {sensor_source(flags.port, flags.sensor, flags.raw, flags.options)};
   auto replay = replay_source(flags.replay, flags.options);
   ReplaySource* steered = replay.get();
   return {std::move(replay), steered};
@@ -83,6 +85,7 @@ Slam slam_of(const BegunRun& begun, Executor* executor) {
 
 int run_live_command(const LiveFlags& flags) {
   if (flags.list) return print_list();
+  if (!flags.health.empty()) return run_health(flags.health);
   if (!flags.raw.empty() && flags.port.empty())
     throw std::invalid_argument("--raw: keeps what a port sends; expected --port with it");
   LiveOutput output(flags.json);
@@ -110,7 +113,7 @@ int run_live_command(const LiveFlags& flags) {
   const std::unique_ptr<serve::Server> server = serve_run(flags.serve, live_router(show), tell);
   if (server && from.replay != nullptr) from.replay->set_watched([&] { return server->counts().web_sockets > 0; });
   std::vector<live::LiveSink*> sinks{&output, &keeping, &board};
-  if (server) sinks.insert(sinks.end(), {&recording, show.viewer.get()});
+  if (server) sinks.insert(sinks.end(), {&recording, show.viewer.get(), show.foxglove.get()});
   live::LiveSummary summary;
   try {
     summary = live::run_live(
@@ -142,8 +145,10 @@ void add_live_command(CLI::App& app, CommandBody& body) {
       ->type_name("LOG")
       ->check(not_empty());
   command->add_flag("--demo", flags->demo, "a simulated sensor");
-  command->add_option("--sensor", flags->sensor, "which sensor it is; else it is found by asking and listening")
-      ->type_name("S")
+  command
+      ->add_option("--sensor", flags->sensor,
+                   "which sensor it is, else it is found by asking and listening; or a file of `calibrate`")
+      ->type_name("S|FILE")
       ->check(not_empty());
   command->add_flag("--json", flags->json, "a JSON line per scan on standard output");
   command->add_option("--raw", flags->raw, "keeps the bytes as they come, with their times")
@@ -158,6 +163,11 @@ void add_live_command(CLI::App& app, CommandBody& body) {
   command->add_option("--folder", flags->folder, "where the page saves maps and states")
       ->type_name("DIR")
       ->capture_default_str()
+      ->check(not_empty());
+  command
+      ->add_option("--health", flags->health,
+                   "asks a run at its address whether it is well: exit 0 yes, 1 no, 3 no answer")
+      ->type_name("http://ADDR:PORT")
       ->check(not_empty());
   command->add_flag("--list", flags->list, "ports found and sensors known");
   add_keeping_flags(*command, flags->keeping);

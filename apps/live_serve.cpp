@@ -1,6 +1,7 @@
 #include "live_serve.hpp"
 
 #include <tuple>
+#include <utility>
 
 #include "phasescan/io/error.hpp"
 #include "serve/page.hpp"
@@ -10,7 +11,10 @@ namespace phasescan::app {
 LiveShow::LiveShow(const SlamOptions& options, const serve::StatusBoard& status_board, serve::LiveControl& live_control)
     : board(status_board),
       control(live_control),
-      viewer(std::make_shared<serve::Viewer>(options, live_control, [this] { return status(); })) {}
+      viewer(std::make_shared<serve::Viewer>(options, live_control, [this] { return status(); })),
+      foxglove(std::make_shared<foxglove::Endpoint>([this](const Pose2& T_map_base, serve::CommandDone done) {
+        control.set_pose(T_map_base, std::move(done));
+      })) {}
 
 serve::Router live_router(const LiveShow& show) {
   serve::Router router;
@@ -24,6 +28,7 @@ serve::Router live_router(const LiveShow& show) {
     return serve::Answer{200, "image/png", std::move(png), {}};
   });
   router.add_endpoint("/ws", show.viewer);
+  router.add_endpoint("/foxglove", show.foxglove);
   // Another protocol: router.add_endpoint("/path", endpoint) here, and its sink into the list of apps/cmd_live.cpp.
   return router;
 }

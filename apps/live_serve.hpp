@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "foxglove/endpoint.hpp"
 #include "serve/live_control.hpp"
 #include "serve/server.hpp"
 #include "serve/status_board.hpp"
@@ -22,6 +23,7 @@ struct LiveShow {
   const serve::StatusBoard& board;
   serve::LiveControl& control;
   std::shared_ptr<serve::Viewer> viewer;
+  std::shared_ptr<foxglove::Endpoint> foxglove;
 };
 
 /// All paths of the server. `show` must outlive it.

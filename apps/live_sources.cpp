@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/random.hpp"
+#include "io/cut_log.hpp"
 #include "sim/drive.hpp"
 #include "sim/pairs_spec.hpp"
 #include "sim/world_kinds.hpp"
@@ -211,7 +212,42 @@ class DemoSource final : public live::LiveSource {
   sim::Drive drive_;
 };
 
+/// Scans of a sensor cut down as those of a log are.
+class CutSource final : public live::LiveSource {
+ public:
+  CutSource(std::unique_ptr<live::LiveSource> source, LogOptions options)
+      : source_(std::move(source)), options_(std::move(options)) {}
+  void run(const std::function<bool()>& stop, const std::function<void(live::LiveScan)>& hand,
+           const std::function<void(const std::string&)>& tell) override {
+    source_->run(
+        stop,
+        [&](live::LiveScan scan) {
+          scan.measurement.scan = cut_scan(scan.measurement.scan, options_);
+          hand(std::move(scan));
+        },
+        tell);
+  }
+  bool can_wait() const override { return source_->can_wait(); }
+
+ private:
+  std::unique_ptr<live::LiveSource> source_;
+  LogOptions options_;
+};
+
 }  // namespace
+
+std::unique_ptr<live::LiveSource> sensor_source(const std::string& port, const std::string& sensor,
+                                                const std::string& raw, LogOptions options) {
+  const bool file = live::find_sensor(sensor) == nullptr && std::filesystem::is_regular_file(sensor);
+  if (file) {
+    const sim::LidarOptions lidar = sim::read_lidar(sensor);
+    options.range_min = std::max(options.range_min, lidar.range_min_m);
+    options.range_max = options.range_max > 0.0 ? std::min(options.range_max, lidar.range_max_m) : lidar.range_max_m;
+  }
+  auto source = live::open_sensor(port, file ? "" : sensor, raw);
+  if (!cuts_anything(options)) return source;
+  return std::make_unique<CutSource>(std::move(source), std::move(options));
+}
 
 std::unique_ptr<ReplaySource> replay_source(const std::string& log, const LogOptions& options) {
   return std::make_unique<LogReplay>(log, options);

@@ -25,6 +25,11 @@ class ReplaySource : public live::LiveSource {
 
 /// @throws as open_log
 std::unique_ptr<ReplaySource> replay_source(const std::string& log, const LogOptions& options);
+/// A sensor at a port, its scans cut down as the options say (ranges, masks). @param sensor  a name, or a file that
+/// `calibrate` wrote, whose range limits hold then; the sensor is found by asking. @throws as live::open_sensor,
+/// InputError
+std::unique_ptr<live::LiveSource> sensor_source(const std::string& port, const std::string& sensor,
+                                                const std::string& raw, LogOptions options);
 /// A robot in a simulated flat.
 std::unique_ptr<live::LiveSource> demo_source(std::uint64_t seed);
 

@@ -12,8 +12,9 @@ PACKAGES=(build-essential cmake ninja-build pkg-config ccache git
 TEST_PACKAGES=(clang-14 clang-format-14 libclang-rt-14-dev libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
   python3 python3-numpy python3-pil python3-rosbag librsvg2-bin valgrind groff-base chromium)
 command -v npm >/dev/null || TEST_PACKAGES+=(nodejs npm)
-# Independent readers of MCAP and ROS 2 messages, for tests/interop, and what drives Chromium, for tests/browser.
-INTEROP_MODULES=(puppeteer-core@22.15.0 @mcap/core@2.2.2 @foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 @foxglove/wasm-zstd@1.0.1)
+# Independent readers of MCAP and ROS 2 messages and a client of the Foxglove protocol, for tests/interop, and what drives Chromium, for tests/browser.
+INTEROP_MODULES=(puppeteer-core@22.15.0 @mcap/core@2.2.2 @foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 @foxglove/wasm-zstd@1.0.1
+  @foxglove/ws-protocol@0.8.0 ws@8.18.0)
 
 say() { printf '\n== %s\n' "$*"; }
 
@@ -36,7 +37,11 @@ install_missing() {
 
 # install_interop: the npm packages of tests/interop and tests/browser into build/interop, once. Without a network those tests are skipped.
 install_interop() {
-  [ -d "$ROOT/build/interop/node_modules/@mcap/core" ] && [ -d "$ROOT/build/interop/node_modules/puppeteer-core" ] && return 0
+  local module missing=0
+  for module in @mcap/core @foxglove/ws-protocol ws puppeteer-core; do
+    [ -d "$ROOT/build/interop/node_modules/$module" ] || missing=1
+  done
+  [ "$missing" = 0 ] && return 0
   say "Installing ${INTEROP_MODULES[*]} into build/interop"
   npm install --silent --no-audit --no-fund --prefix "$ROOT/build/interop" "${INTEROP_MODULES[@]}" ||
     echo "phasescan: npm could not install them; the tests with @mcap/core and Chromium are skipped" >&2
