@@ -1,6 +1,8 @@
 // What runs as a service needs: cut scans, health from outside, and files that fit the command.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 
 #include <chrono>
 #include <fstream>
@@ -144,6 +146,21 @@ TEST(Service, TheUnitsFlagsAreThoseOfTheCommand) {
   for (std::sregex_iterator at(line.begin(), line.end(), flag), none; at != none; ++at, ++flags)
     EXPECT_THAT(help, HasSubstr(at->str()));
   EXPECT_GE(flags, 5U);
+}
+
+TEST(Service, WhereTheDiskIsFullForBytesTrackingGoesOn) {
+  const TempFolder folder;
+  const std::string raw = recorded_bytes(folder, 8), again = folder / "again.raw";
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit limit{4000, before.rlim_max};
+  ::signal(SIGXFSZ, SIG_IGN);
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+  const CommandResult run = run_command({"live", "--port", raw, "--serve", "off", "--raw", again});
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(run.code, 3) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("bytes are kept no more, tracking goes on"));
+  EXPECT_FALSE(std::ifstream(again).good());
 }
 
 TEST(Service, EventsAreOneLineEachWhereNobodySits) {
