@@ -32,6 +32,7 @@ config       core methods io match fft_icp slam
 output       core scan map match methods slam io
 report       core scan match map slam output io
 serve        core scan map odometry slam io live output
+foxglove     core scan io
 eval         core scan match fft_icp methods odometry slam sim config output report io
 """
 # Around the core: tests of any folder may use these to make and read their inputs.

@@ -126,7 +126,6 @@ void encode(const PoseEstimate& message, ByteWriter& out) {
   cdr.header(message.header);
   cdr.pose(spatial(message.pose));
   // Of (x, y, z, roll, pitch, yaw); height, roll and pitch are exact: they are 0.
-  constexpr int kPlanar[] = {0, 1, 5};
   double full[6][6] = {};
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) full[kPlanar[row]][kPlanar[column]] = message.covariance(row, column);
