@@ -1,4 +1,4 @@
-"""Whole live runs for scripts/live_faults: an emulated sensor, `phasescan live` at the other end, poses against the truth."""
+"""Whole live runs for scripts/live_results: an emulated sensor, `phasescan live` at the other end, poses against the truth."""
 import bisect
 import json
 import math

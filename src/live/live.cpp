@@ -117,4 +117,19 @@ LiveSummary run_live(LiveSource& source, LiveEngine& engine, const std::vector<L
   return summary;
 }
 
+LiveSummary run_live(LiveSource& source, Slam& slam, const std::function<bool()>& stop,
+                     const std::function<void(const LiveUpdate&)>& sink,
+                     const std::function<void(const std::string&)>& tell) {
+  class OneSink final : public LiveSink {
+   public:
+    explicit OneSink(const std::function<void(const LiveUpdate&)>& sink) : sink_(sink) {}
+    void take(const LiveUpdate& update) override { sink_(update); }
+
+   private:
+    const std::function<void(const LiveUpdate&)>& sink_;
+  } one(sink);
+  const auto engine = slam_engine(slam, [&slam] { return Slam(slam.options(), Schedule::kLatest); });
+  return run_live(source, *engine, {&one}, nullptr, stop, tell);
+}
+
 }  // namespace phasescan::live

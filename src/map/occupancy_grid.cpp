@@ -10,7 +10,7 @@
 namespace phasescan {
 namespace {
 
-constexpr double kStepsPerUnit = OccupancyGrid::kStepsPerUnit;
+constexpr double kStepsPerUnit = 20.0;
 constexpr int kNeighbourBeams = 5;
 constexpr double kMissingShare = 0.8;
 

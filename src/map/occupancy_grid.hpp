@@ -18,10 +18,6 @@ namespace phasescan {
 class OccupancyGrid {
  public:
   static constexpr int kTileCells = 64;
-  static constexpr std::int8_t kUnknown = -128;
-  static constexpr double kStepsPerUnit = 20.0;
-  /// Log-odds of its cells in steps, row-major from the lower left; kUnknown where no ray went.
-  using Tile = std::array<std::int8_t, kTileCells * kTileCells>;
 
   /// @throws std::invalid_argument for a resolution that is not above 0.
   explicit OccupancyGrid(const OccupancyOptions& options = {});
@@ -54,16 +50,11 @@ class OccupancyGrid {
   std::optional<double> raycast(const Eigen::Vector2d& from, double direction, double max_range,
                                 double occupied = 0.6) const;
 
-  /// `visit(ti, tk, tile)` for each tile there is, in the order of (ti, tk); its lower-left cell is (ti, tk) *
-  /// kTileCells.
-  template <class Visit>
-  void for_each_tile(const Visit& visit) const {
-    for (const auto& [at, tile] : tiles_) visit(at.first, at.second, *tile);
-  }
-
   void clear();
 
  private:
+  static constexpr std::int8_t kUnknown = -128;
+  using Tile = std::array<std::int8_t, kTileCells * kTileCells>;
   std::int8_t cell(int i, int k) const;
   void change(int i, int k, int steps);
   Tile& tile(int ti, int tk);

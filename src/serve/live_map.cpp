@@ -1,10 +1,8 @@
 #include "serve/live_map.hpp"
 
 #include <algorithm>
-#include <array>
+#include <climits>
 #include <cmath>
-#include <functional>
-#include <string_view>
 
 #include "core/motion.hpp"
 #include "slam/map_view.hpp"
@@ -20,28 +18,18 @@ double moved(const Pose2& a, const Pose2& b) {
   return translation_distance(a, b) + kLeverM * angle_distance(a.theta, b.theta);
 }
 
-/// Level of each step of log-odds, from -127 on.
-std::array<unsigned char, 256> make_levels() {
-  std::array<unsigned char, 256> levels{};
+/// Level of a cell that is known.
+int level_of(double log_odds) {
   constexpr double kFree = 0.196, kOccupied = 0.65;  // as make_trinary has them
-  for (int step = -127; step <= 127; ++step) {
-    const double p = 1.0 / (1.0 + std::exp(-step / OccupancyGrid::kStepsPerUnit));
-    int level = 0;
-    if (p <= kFree)
-      level = 1 + std::min(3, static_cast<int>(4.0 * p / kFree));
-    else if (p < kOccupied)
-      level = 5 + std::min(4, static_cast<int>(5.0 * (p - kFree) / (kOccupied - kFree)));
-    else
-      level = 10 + std::min(5, static_cast<int>(6.0 * (p - kOccupied) / (1.0 - kOccupied)));
-    levels[static_cast<std::size_t>(step + 128)] = static_cast<unsigned char>(level);
-  }
-  return levels;  // of kUnknown: 0
+  const double p = 1.0 / (1.0 + std::exp(-log_odds));
+  if (p <= kFree) return 1 + std::min(3, static_cast<int>(4.0 * p / kFree));
+  if (p < kOccupied) return 5 + std::min(4, static_cast<int>(5.0 * (p - kFree) / (kOccupied - kFree)));
+  return 10 + std::min(5, static_cast<int>(6.0 * (p - kOccupied) / (1.0 - kOccupied)));
 }
 
 }  // namespace
 
-PackedTile pack_tile(const OccupancyGrid::Tile& tile) {
-  static const std::array<unsigned char, 256> kLevels = make_levels();
+PackedTile pack_tile(const OccupancyGrid& grid, TileIndex at) {
   PackedTile packed;
   int level = -1, run = 0;
   bool known = false;
@@ -49,12 +37,15 @@ PackedTile pack_tile(const OccupancyGrid::Tile& tile) {
     if (run > 0) packed += static_cast<char>(level << 4 | (run - 1));
     run = 0;
   };
-  for (const std::int8_t cell : tile) {
-    const int now = kLevels[static_cast<std::size_t>(cell + 128)];
-    known = known || now != 0;
-    if (now != level || run == 16) flush();
-    level = now;
-    ++run;
+  for (int k = at.second * kTileCells; k < (at.second + 1) * kTileCells; ++k) {
+    for (int i = at.first * kTileCells; i < (at.first + 1) * kTileCells; ++i) {
+      const double log_odds = grid.log_odds(i, k);
+      const int now = log_odds != 0.0 || grid.known(i, k) ? level_of(log_odds) : 0;
+      known = known || now != 0;
+      if (now != level || run == 16) flush();
+      level = now;
+      ++run;
+    }
   }
   flush();
   return known ? packed : PackedTile{};
@@ -64,13 +55,16 @@ LiveMap::LiveMap(const SlamOptions& options) : options_(options), grid_(options.
 
 void LiveMap::draw_node(const BackendSnapshot& snapshot, std::size_t node) {
   const SnapshotNode& at = snapshot.nodes[node];
-  grid_.add_scan(at.scan(), snapshot.poses[node] * at.T_mid_stamp * at.T_base_laser,
-                 options_.odometry.deskew ? twist_of_frame(at.T_base_laser, at.twist) : Twist2{});
+  const Scan scan = at.scan();
+  const Pose2 T_map_laser = snapshot.poses[node] * at.T_mid_stamp * at.T_base_laser;
+  touch(scan, T_map_laser);
+  grid_.add_scan(scan, T_map_laser, options_.odometry.deskew ? twist_of_frame(at.T_base_laser, at.twist) : Twist2{});
   drawn_[at.id] = snapshot.poses[node] * at.T_mid_stamp;
 }
 
 void LiveMap::draw_fresh(const Fresh& fresh) {
   const Pose2& T_base_laser = fresh.measurement->T_base_laser;
+  touch(fresh.measurement->scan, fresh.node.T_map_base * T_base_laser);
   grid_.add_scan(fresh.measurement->scan, fresh.node.T_map_base * T_base_laser,
                  options_.odometry.deskew ? twist_of_frame(T_base_laser, fresh.twist) : Twist2{});
   drawn_[fresh.node.scan] = fresh.node.T_map_base;
@@ -103,8 +97,7 @@ void LiveMap::take_snapshot(const BackendSnapshot& snapshot) {
     fresh.node.T_map_base = now;
   }
   if (anew) {
-    grid_.clear();
-    drawn_.clear();
+    clear_grid();
     ++redrawn_;
   }
   path_.clear();
@@ -123,9 +116,15 @@ void LiveMap::take_snapshot(const BackendSnapshot& snapshot) {
     if (loop.enabled) loops_.emplace_back(loop.from, loop.to);
 }
 
-void LiveMap::restart() {
+void LiveMap::clear_grid() {
   grid_.clear();
   drawn_.clear();
+  for (const auto& [at, packed] : seen_)
+    if (!packed.empty()) touched_.insert(at);
+}
+
+void LiveMap::restart() {
+  clear_grid();
   fresh_.clear();
   path_.clear();
   loops_.clear();
@@ -148,20 +147,34 @@ bool LiveMap::add(const live::LiveUpdate& live) {
   return true;
 }
 
+/// Marks the tiles that the rays of a scan may change.
+void LiveMap::touch(const Scan& scan, const Pose2& T_map_laser) {
+  const double cell = options_.map.resolution_m, tile = kTileCells * cell;
+  const double margin = 3.0 * cell;  // by which the motion during a turn may shift a ray
+  TileIndex last{INT_MIN, INT_MIN};
+  const auto mark = [&](double x, double y) {
+    const TileIndex at{static_cast<int>(std::floor(x / tile)), static_cast<int>(std::floor(y / tile))};
+    if (at != last) touched_.insert(at);
+    last = at;
+  };
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (!scan.is_hit(i)) continue;  // a missing beam is drawn no farther than its neighbours
+    const double reach = std::min(static_cast<double>(scan.ranges[i]), options_.map.max_ray_m);
+    const double angle = T_map_laser.theta + scan.angle(i), c = std::cos(angle), s = std::sin(angle);
+    for (const double side : {-margin, margin})
+      for (double r = 0.0; r <= reach + margin + cell; r += cell)
+        mark(T_map_laser.x + r * c - side * s, T_map_laser.y + r * s + side * c);
+  }
+}
+
 std::map<TileIndex, PackedTile> LiveMap::take_changed_tiles() {
   std::map<TileIndex, PackedTile> changed;
-  std::map<TileIndex, std::size_t> now;
-  grid_.for_each_tile([&](int ti, int tk, const OccupancyGrid::Tile& tile) {
-    const std::string_view bytes(reinterpret_cast<const char*>(tile.data()), tile.size());
-    const std::size_t hash = std::hash<std::string_view>{}(bytes);
-    const TileIndex at{ti, tk};
-    now[at] = hash;
-    const auto before = seen_.find(at);
-    if (before == seen_.end() || before->second != hash) changed[at] = pack_tile(tile);
-  });
-  for (const auto& [at, hash] : seen_)
-    if (now.count(at) == 0) changed[at] = {};
-  seen_ = std::move(now);
+  for (const TileIndex& at : touched_) {
+    PackedTile packed = pack_tile(grid_, at);
+    PackedTile& before = seen_[at];
+    if (packed != before) changed[at] = before = std::move(packed);
+  }
+  touched_.clear();
   return changed;
 }
 

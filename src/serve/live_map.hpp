@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,7 +24,10 @@ namespace phasescan::serve {
 using PackedTile = std::string;
 using TileIndex = std::pair<int, int>;
 
-PackedTile pack_tile(const OccupancyGrid::Tile& tile);
+constexpr int kTileCells = 64;
+
+/// @cost about 0.2 ms
+PackedTile pack_tile(const OccupancyGrid& grid, TileIndex at);
 
 /// A keyframe of the graph, or one that is on its way there.
 struct PathNode {
@@ -49,10 +53,6 @@ class LiveMap {
   std::uint64_t redrawn() const { return redrawn_; }
 
  private:
-  struct Drawn {
-    std::int64_t scan = 0;
-    Pose2 T_map_base;
-  };
   struct Fresh {
     std::shared_ptr<const RangeMeasurement> measurement;
     PathNode node;
@@ -60,10 +60,12 @@ class LiveMap {
     Twist2 twist;
   };
   void restart();
+  void clear_grid();
   void take_snapshot(const BackendSnapshot& snapshot);
   void draw_node(const BackendSnapshot& snapshot, std::size_t node);
   void draw_fresh(const Fresh& fresh);
   bool stands(const BackendSnapshot& snapshot) const;
+  void touch(const Scan& scan, const Pose2& T_map_laser);
 
   SlamOptions options_;
   OccupancyGrid grid_;
@@ -72,7 +74,8 @@ class LiveMap {
   std::vector<PathNode> path_;
   std::vector<std::pair<std::int32_t, std::int32_t>> loops_;
   std::uint64_t version_ = 0, redrawn_ = 0;
-  std::map<TileIndex, std::size_t> seen_;  // hashes of tiles as they were taken last
+  std::set<TileIndex> touched_;           // by rays, since tiles were taken last
+  std::map<TileIndex, PackedTile> seen_;  // as they were taken last
 };
 
 }  // namespace phasescan::serve

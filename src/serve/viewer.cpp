@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 
 #include "output/map_file.hpp"
+#include "serve/frames.hpp"
+#include "serve/live_map.hpp"
 
 namespace phasescan::serve {
 namespace {
@@ -32,22 +36,27 @@ void unpack(const PackedTile& packed, const Cell& cell) {
     const auto byte = static_cast<unsigned char>(c);
     const int level = byte >> 4, run = (byte & 15) + 1;
     for (int n = 0; n < run; ++n, ++at)
-      if (level > 0) cell(at % OccupancyGrid::kTileCells, at / OccupancyGrid::kTileCells, level);
+      if (level > 0) cell(at % kTileCells, at / kTileCells, level);
   }
 }
 
 }  // namespace
 
 Viewer::Viewer(const SlamOptions& options, LiveControl& control, std::function<std::string()> status)
-    : options_(options), control_(control), status_(std::move(status)), map_(options), loops_(share(loops_frame({}))) {}
+    : options_(options),
+      control_(control),
+      status_(std::move(status)),
+      map_(std::make_unique<LiveMap>(options)),
+      loops_(share(loops_frame({}))) {}
+Viewer::~Viewer() = default;
 
 void Viewer::take(const live::LiveUpdate& update) {
   SharedBytes scan = share(scan_frame(update));
-  const bool map_changed = map_.add(update);
+  const bool map_changed = map_->add(update);
   std::map<TileIndex, PackedTile> tiles;
-  if (map_changed) tiles = map_.take_changed_tiles();
+  if (map_changed) tiles = map_->take_changed_tiles();
   const std::lock_guard lock(mutex_);
-  if (map_changed) take_map(map_, std::move(tiles));
+  if (map_changed) take_map(std::move(tiles));
   last_scan_ = scan;
   for (Client& client : clients_) {
     if (client.peer->queued_bytes() < kBusyBytes) client.peer->send(scan, true);
@@ -55,7 +64,8 @@ void Viewer::take(const live::LiveUpdate& update) {
   }
 }
 
-void Viewer::take_map(const LiveMap& map, std::map<TileIndex, PackedTile> tiles) {
+void Viewer::take_map(std::map<TileIndex, PackedTile> tiles) {
+  const LiveMap& map = *map_;
   for (auto& [at, packed] : tiles) {
     Tile& tile = tiles_[at];
     changes_.erase(tile.change);
@@ -100,8 +110,7 @@ void Viewer::feed_tiles(Client& client) {
 }
 
 void Viewer::on_open(const std::shared_ptr<Peer>& peer, const std::string&) {
-  const nlohmann::ordered_json hello{
-      {"do", "hello"}, {"version", kProtocol}, {"tile_cells", OccupancyGrid::kTileCells}};
+  const nlohmann::ordered_json hello{{"do", "hello"}, {"version", kProtocol}, {"tile_cells", kTileCells}};
   peer->send(share(hello.dump()), false);
   peer->send(share(status_()), false);
   const std::lock_guard lock(mutex_);
@@ -161,7 +170,6 @@ std::string Viewer::png() {
     tiles = tiles_;
     png_change_ = change_;
   }
-  constexpr int kCells = OccupancyGrid::kTileCells;
   constexpr double kMostCells = 1e8;
   int min_i = 0, min_k = 0, max_i = -1, max_k = -1;
   for (const auto& [at, tile] : tiles) {
@@ -172,16 +180,16 @@ std::string Viewer::png() {
     min_k = first ? at.second : std::min(min_k, at.second);
     max_k = first ? at.second : std::max(max_k, at.second);
   }
-  const double cells = (1.0 + max_i - min_i) * (1.0 + max_k - min_k) * kCells * kCells;
+  const double cells = (1.0 + max_i - min_i) * (1.0 + max_k - min_k) * kTileCells * kTileCells;
   if (cells > kMostCells) return {};
   TrinaryMap map;
   map.resolution_m = options_.map.resolution_m;
-  map.width = std::max(1, (max_i - min_i + 1) * kCells);
-  map.height = std::max(1, (max_k - min_k + 1) * kCells);
+  map.width = std::max(1, (max_i - min_i + 1) * kTileCells);
+  map.height = std::max(1, (max_k - min_k + 1) * kTileCells);
   map.cells.assign(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height), CellState::kUnknown);
   for (const auto& [at, tile] : tiles)
     unpack(tile.packed, [&, &at = at](int i, int k, int level) {
-      const int column = (at.first - min_i) * kCells + i, row = (at.second - min_k) * kCells + k;
+      const int column = (at.first - min_i) * kTileCells + i, row = (at.second - min_k) * kTileCells + k;
       map.cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) +
                 static_cast<std::size_t>(column)] = level <= 4    ? CellState::kFree
                                                     : level >= 10 ? CellState::kOccupied

@@ -7,20 +7,25 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "serve/endpoint.hpp"
-#include "serve/frames.hpp"
+#include "phasescan/live/live.hpp"
 #include "serve/live_control.hpp"
-#include "serve/live_map.hpp"
 
 namespace phasescan::serve {
+
+class LiveMap;
+struct PathNode;
+struct ViewerCommand;
 
 class Viewer final : public live::LiveSink, public WebSocketEndpoint {
  public:
   /// @param status  a JSON object for `/api/status`, which clients get once a second. What is given must outlive the
   /// server
   Viewer(const SlamOptions& options, LiveControl& control, std::function<std::string()> status);
+  ~Viewer() override;
 
   // Sink, by its own thread.
   void take(const live::LiveUpdate& update) override;
@@ -46,9 +51,10 @@ class Viewer final : public live::LiveSink, public WebSocketEndpoint {
   };
   struct Tile {
     std::uint64_t change = 0;
-    PackedTile packed;
+    std::string packed;
   };
-  void take_map(const LiveMap& map, std::map<TileIndex, PackedTile> tiles);
+  using TileIndex = std::pair<int, int>;
+  void take_map(std::map<TileIndex, std::string> tiles);
   void feed(Client& client);
   void feed_tiles(Client& client);
   void run(const ViewerCommand& command, const CommandDone& done);
@@ -56,7 +62,7 @@ class Viewer final : public live::LiveSink, public WebSocketEndpoint {
   const SlamOptions options_;
   LiveControl& control_;
   std::function<std::string()> status_;
-  LiveMap map_;  // of the sink's thread alone
+  std::unique_ptr<LiveMap> map_;  // of the sink's thread alone
 
   std::mutex mutex_;  // guards what follows
   std::vector<Client> clients_;

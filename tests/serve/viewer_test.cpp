@@ -9,6 +9,8 @@
 #include <set>
 
 #include "serve/status_board.hpp"
+#include "serve/frames.hpp"
+#include "serve/live_map.hpp"
 #include "serve/viewer.hpp"
 #include "support/toy_world.hpp"
 
@@ -156,13 +158,16 @@ TEST_F(ViewerTest, ChangesAddUpToTheWholeMap) {
   }
   const auto late = open();
   std::map<TileIndex, std::vector<int>> whole;
-  map.grid().for_each_tile([&](int ti, int tk, const OccupancyGrid::Tile& tile) {
-    std::vector<int>& levels = whole[{ti, tk}];
-    for (const std::int8_t cell : tile) {
-      const double p = 1.0 / (1.0 + std::exp(-cell / 20.0));
-      levels.push_back(cell == OccupancyGrid::kUnknown ? 0 : p <= 0.196 ? 1 : p >= 0.65 ? 3 : 2);
+  const OccupancyGrid::Bounds known = map.grid().bounds();
+  for (int k = known.min_k; k <= known.max_k; ++k)
+    for (int i = known.min_i; i <= known.max_i; ++i) {
+      if (!map.grid().known(i, k)) continue;
+      const double p = 1.0 / (1.0 + std::exp(-map.grid().log_odds(i, k)));
+      const int ti = static_cast<int>(std::floor(i / 64.0)), tk = static_cast<int>(std::floor(k / 64.0));
+      std::vector<int>& levels = whole[{ti, tk}];
+      levels.resize(4096);
+      levels[static_cast<std::size_t>((k - 64 * tk) * 64 + i - 64 * ti)] = p <= 0.196 ? 1 : p >= 0.65 ? 3 : 2;
     }
-  });
   const auto classes = [](std::map<TileIndex, std::vector<int>> tiles) {
     std::erase_if(tiles, [](const auto& tile) { return tile.second.empty(); });
     for (auto& [at, levels] : tiles)

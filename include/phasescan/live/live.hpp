@@ -120,4 +120,9 @@ LiveSummary run_live(LiveSource& source, LiveEngine& engine, const std::vector<L
                      const std::function<bool()>& stop, const std::function<void(const std::string&)>& tell,
                      const std::function<void()>& between = {});
 
+/// The same for SLAM with one sink, which nobody asks for anything while it goes on.
+LiveSummary run_live(LiveSource& source, Slam& slam, const std::function<bool()>& stop,
+                     const std::function<void(const LiveUpdate&)>& sink,
+                     const std::function<void(const std::string&)>& tell);
+
 }  // namespace phasescan::live
