@@ -72,8 +72,14 @@ void Viewer::take_map(std::map<TileIndex, PackedTile> tiles) {
     tile = {++change_, std::move(packed)};
     changes_[tile.change] = at;
   }
-  if (!same_path(path_, map.path())) ++path_generation_;
-  path_ = map.path();
+  // What stands is left as it was sent: steps too small to be seen must not add up.
+  const std::vector<PathNode>& path = map.path();
+  if (same_path(path_, path)) {
+    path_.insert(path_.end(), path.begin() + static_cast<std::ptrdiff_t>(path_.size()), path.end());
+  } else {
+    ++path_generation_;
+    path_ = path;
+  }
   std::string loops = loops_frame(map.loops());
   if (loops != *loops_) {
     loops_ = share(std::move(loops));
