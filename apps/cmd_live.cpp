@@ -115,7 +115,8 @@ int run_live_command(const LiveFlags& flags) {
                           begun.options.slam.session_gap_s);
   if (from.replay == nullptr) begun.saved.reset();  // only a log begins again
   const InterruptGuard guard;
-  const std::unique_ptr<serve::Server> server = serve_run(flags.serve, live_router(show), tell);
+  const std::unique_ptr<serve::Server> server =
+      serve_run(flags.serve, live_router(show), [&](const std::string& text) { output.tell(text); });
   if (server && from.replay != nullptr) from.replay->set_watched([&] { return server->counts().web_sockets > 0; });
   std::vector<live::LiveSink*> sinks{&output, &keeping, &board, &ros2};
   if (server) sinks.insert(sinks.end(), {&recording, show.viewer.get()});

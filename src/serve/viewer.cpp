@@ -23,8 +23,11 @@ SharedBytes share(std::string bytes) {
 
 bool same_path(std::span<const PathNode> a, std::span<const PathNode> b) {
   constexpr double kSeenM = 0.005;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-    if (translation_distance(a[i].T_map_base, b[i].T_map_base) > kSeenM) return false;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    const Pose2 &before = a[i].T_map_base, &now = b[i].T_map_base;
+    if (before.is_finite() != now.is_finite()) return false;
+    if (now.is_finite() && translation_distance(before, now) > kSeenM) return false;
+  }
   return a.size() <= b.size();
 }
 
