@@ -12,6 +12,7 @@
 #include "live_health.hpp"
 #include "live_keeping.hpp"
 #include "live_output.hpp"
+#include "live_ros2.hpp"
 #include "live_serve.hpp"
 #include "live_sources.hpp"
 #include "phasescan/io/error.hpp"
@@ -26,7 +27,7 @@ struct LiveFlags {
   LogOptions options;
   KeepingFlags keeping;
   std::string port, replay, sensor, raw, serve, folder = ".";
-  bool demo = false, json = false, list = false;
+  bool demo = false, json = false, list = false, ros2 = false;
   std::string health;  ///< of a run that is asked
 };
 
@@ -50,10 +51,11 @@ struct Source {
   ReplaySource* replay = nullptr;
 };
 
-Source source_of(const LiveFlags& flags) {
+Source source_of(const LiveFlags& flags, LiveRos2& ros2) {
   const int sources = (flags.port.empty() ? 0 : 1) + (flags.replay.empty() ? 0 : 1) + (flags.demo ? 1 : 0);
   if (sources != 1) throw std::invalid_argument("live: expected one of --port PORT, --replay LOG, --demo");
   if (flags.demo) return {demo_source(flags.common.seed)};
+  if (LiveRos2::is_topic(flags.port)) return {ros2.open(flags.port)};
   if (flags.replay.empty()) return {sensor_source(flags.port, flags.sensor, flags.raw, flags.options)};
   auto replay = replay_source(flags.replay, flags.options);
   ReplaySource* steered = replay.get();
@@ -90,7 +92,6 @@ int run_live_command(const LiveFlags& flags) {
     throw std::invalid_argument("--raw: keeps what a port sends; expected --port with it");
   LiveOutput output(flags.json);
   BegunRun begun = begin(flags, config_from(flags.common));
-  Source from = source_of(flags);
   ThreadExecutor executor;
   Slam slam = slam_of(begun, &executor);
   const std::unique_ptr<live::LiveEngine> engine = live::slam_engine(slam, [&] { return slam_of(begun, &executor); });
@@ -102,17 +103,25 @@ int run_live_command(const LiveFlags& flags) {
   };
   LiveSaver saver(slam, flags.folder);
   LiveRecording recording(flags.folder, tell);
-  LiveCommands commands(*engine, tasks, from.replay, &saver, &recording);
+  LiveCommands commands(*engine, tasks, &saver, &recording);
   const LiveShow show(begun.options, board, commands);
+  LiveRos2 ros2(flags.ros2 || LiveRos2::is_topic(flags.port));
+  Source from = source_of(flags, ros2);
+  commands.set_replay(from.replay);
   LiveKeeping keeping(flags.keeping, begun.options.slam.autosave_s, tell);
+  if (flags.ros2)
+    ros2.publish(begun.options.map, [&](const Pose2& T_map_base, const Eigen::Matrix3d&) {
+      commands.set_pose(T_map_base, [tell](bool, const std::string& text) { tell("initialpose: " + text); });
+    });
   if (begun.saved && begun.saved->state.scans() > 0)
     from.source = resumed(std::move(from.source), slam, summarize(begun.saved->state).last_stamp,
                           begun.options.slam.session_gap_s);
   if (from.replay == nullptr) begun.saved.reset();  // only a log begins again
   const InterruptGuard guard;
-  const std::unique_ptr<serve::Server> server = serve_run(flags.serve, live_router(show), tell);
+  const std::unique_ptr<serve::Server> server =
+      serve_run(flags.serve, live_router(show), [&](const std::string& text) { output.tell(text); });
   if (server && from.replay != nullptr) from.replay->set_watched([&] { return server->counts().web_sockets > 0; });
-  std::vector<live::LiveSink*> sinks{&output, &keeping, &board};
+  std::vector<live::LiveSink*> sinks{&output, &keeping, &board, &ros2};
   if (server) sinks.insert(sinks.end(), {&recording, show.viewer.get(), show.foxglove.get()});
   live::LiveSummary summary;
   try {
@@ -138,7 +147,9 @@ int run_live_command(const LiveFlags& flags) {
 void add_live_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("live", "a sensor plugged in, poses as they come");
   auto flags = std::make_shared<LiveFlags>();
-  command->add_option("--port", flags->port, "auto, a device, tcp:HOST:PORT, udp:HOST:PORT, or a file that --raw wrote")
+  command
+      ->add_option("--port", flags->port,
+                   "auto, a device, tcp:HOST:PORT, udp:HOST:PORT, a file that --raw wrote, or ros2:/TOPIC")
       ->type_name("PORT")
       ->check(not_empty());
   command->add_option("--replay", flags->replay, "a log of any readable format, at its pace")

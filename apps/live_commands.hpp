@@ -14,11 +14,12 @@ namespace phasescan::app {
 
 class LiveCommands final : public serve::LiveControl {
  public:
-  /// What is given must outlive this object. @param replay  null: no log is replayed. @param saver  null: there is
+  /// What is given must outlive this object. @param saver  null: there is
   /// nothing to save
-  LiveCommands(live::LiveEngine& engine, live::LiveTasks& tasks, ReplaySource* replay, LiveSaver* saver,
-               LiveRecording* recording)
-      : engine_(engine), tasks_(tasks), replay_(replay), saver_(saver), recording_(recording) {}
+  LiveCommands(live::LiveEngine& engine, live::LiveTasks& tasks, LiveSaver* saver, LiveRecording* recording)
+      : engine_(engine), tasks_(tasks), saver_(saver), recording_(recording) {}
+  /// Before the server is made. Null: no log is replayed.
+  void set_replay(ReplaySource* replay) { replay_ = replay; }
 
   serve::ControlState state() const override;
 
@@ -35,7 +36,7 @@ class LiveCommands final : public serve::LiveControl {
 
   live::LiveEngine& engine_;
   live::LiveTasks& tasks_;
-  ReplaySource* replay_;
+  ReplaySource* replay_ = nullptr;
   LiveSaver* saver_;
   LiveRecording* recording_;
 };

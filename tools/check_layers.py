@@ -27,6 +27,8 @@ io           core scan
 live         core scan match odometry map slam io
 sim          core scan io
 emulate      core scan io live sim
+ros2         core scan map slam odometry io
+dds          core scan map slam odometry io live ros2
 calibrate    core scan io sim
 config       core methods io match fft_icp slam
 output       core scan map match methods slam io

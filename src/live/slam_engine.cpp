@@ -26,6 +26,7 @@ class SlamEngine final : public LiveEngine, private SlamObserver {
       if (unplaced_ && is_placed()) unplaced_.reset();
     }
     out.map = map_;
+    out.on_map = !unplaced_;
     if (unplaced_) show_unplaced(out.update);
     out.loops.swap(loops_);
     out.warnings.swap(warnings_);

@@ -52,7 +52,7 @@ std::string scan_frame(const live::LiveUpdate& live) {
   std::string out;
   put(out, static_cast<std::uint8_t>(FrameKind::kScan));
   put(out, static_cast<std::uint8_t>(update.status));
-  put(out, std::uint16_t{0});
+  put(out, static_cast<std::uint16_t>(live.on_map ? 0 : 1));
   const std::size_t count_at = out.size();
   put(out, std::uint32_t{0});
   put(out, stamp_to_seconds(update.stamp));

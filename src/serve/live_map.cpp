@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
+#include <limits>
 
 #include "core/motion.hpp"
 #include "slam/map_view.hpp"
@@ -16,6 +17,11 @@ constexpr double kCellShare = 0.5;
 
 double moved(const Pose2& a, const Pose2& b) {
   return translation_distance(a, b) + kLeverM * angle_distance(a.theta, b.theta);
+}
+
+Pose2 nowhere() {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  return {kNaN, kNaN, kNaN};
 }
 
 /// Level of a cell that is known.
@@ -103,8 +109,8 @@ void LiveMap::take_snapshot(const BackendSnapshot& snapshot) {
   path_.clear();
   for (std::size_t node = 0; node < snapshot.poses.size(); ++node) {
     const SnapshotNode& at = snapshot.nodes[node];
-    path_.push_back({snapshot.poses[node], at.id});
     const bool shown = !options_.slam.largest_piece || snapshot.pieces.in_largest(node);
+    path_.push_back({shown ? snapshot.poses[node] : nowhere(), at.id});
     if (shown && drawn_.count(at.id) == 0) draw_node(snapshot, node);
   }
   for (const Fresh& fresh : fresh_) {
@@ -139,7 +145,7 @@ bool LiveMap::add(const live::LiveUpdate& live) {
     changed = true;
   }
   const ScanUpdate& update = live.update;
-  if (!update.keyframe || !is_tracked(update.status) || !live.measurement) return changed;
+  if (!update.keyframe || !live.on_map || !is_tracked(update.status) || !live.measurement) return changed;
   Fresh fresh{live.measurement, {update.T_map_base(), update.scan}, update.T_odom_base, update.twist};
   draw_fresh(fresh);
   path_.push_back(fresh.node);

@@ -31,7 +31,7 @@ PackedTile pack_tile(const OccupancyGrid& grid, TileIndex at);
 
 /// A keyframe of the graph, or one that is on its way there.
 struct PathNode {
-  Pose2 T_map_base;
+  Pose2 T_map_base;  ///< NaN for one of a piece that is not drawn: where it lies nobody knows
   std::int64_t scan = 0;
 };
 

@@ -23,8 +23,11 @@ SharedBytes share(std::string bytes) {
 
 bool same_path(std::span<const PathNode> a, std::span<const PathNode> b) {
   constexpr double kSeenM = 0.005;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-    if (translation_distance(a[i].T_map_base, b[i].T_map_base) > kSeenM) return false;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    const Pose2 &before = a[i].T_map_base, &now = b[i].T_map_base;
+    if (before.is_finite() != now.is_finite()) return false;
+    if (now.is_finite() && translation_distance(before, now) > kSeenM) return false;
+  }
   return a.size() <= b.size();
 }
 
@@ -72,8 +75,14 @@ void Viewer::take_map(std::map<TileIndex, PackedTile> tiles) {
     tile = {++change_, std::move(packed)};
     changes_[tile.change] = at;
   }
-  if (!same_path(path_, map.path())) ++path_generation_;
-  path_ = map.path();
+  // What stands is left as it was sent: steps too small to be seen must not add up.
+  const std::vector<PathNode>& path = map.path();
+  if (same_path(path_, path)) {
+    path_.insert(path_.end(), path.begin() + static_cast<std::ptrdiff_t>(path_.size()), path.end());
+  } else {
+    ++path_generation_;
+    path_ = path;
+  }
   std::string loops = loops_frame(map.loops());
   if (loops != *loops_) {
     loops_ = share(std::move(loops));

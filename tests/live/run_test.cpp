@@ -177,7 +177,8 @@ TEST(SlamEngine, ADriveThatIsToFindItselfIsLostUntilItHas) {
   double error = 0.0;
   for (std::size_t i = 2; i < drive.tour.size(); ++i) {
     const LiveUpdate update = drive.add(i);
-    if (!is_tracked(update.update.status)) continue;
+    EXPECT_EQ(update.on_map, is_tracked(update.update.status));
+    if (!update.on_map) continue;
     ++found;
     const Pose2 truth = drive.tour.front().inverse() * drive.tour[i];
     error = std::max(error, translation_distance(truth, update.update.T_map_base()));
@@ -193,6 +194,7 @@ TEST(SlamEngine, APoseThatIsToldIsShownAsUnsure) {
   drive.add(100);
   const LiveUpdate update = drive.add(101);
   EXPECT_EQ(update.update.status, TrackingStatus::kDegraded);
+  EXPECT_FALSE(update.on_map);
   EXPECT_LT(translation_distance(update.update.T_map_base(), Pose2(1.0, 2.0, 0.5)), 0.3);
   EXPECT_GT(update.update.map_covariance.value()(0, 0), 0.1);
   EXPECT_THROW(drive.engine->set_pose(Pose2(std::nan(""), 0, 0)), std::invalid_argument);

@@ -236,6 +236,22 @@ TEST_F(ViewerTest, ABusyClientGetsTheMapLaterAndOldScansNever) {
   EXPECT_EQ(busy->path, quick->path);
 }
 
+TEST_F(ViewerTest, WhatIsNotOnTheMapIsNotDrawnOnIt) {
+  const auto page = open();
+  std::size_t changed = 0;
+  for (live::LiveUpdate update : tour_updates()) {
+    const bool keyframe = update.update.keyframe.has_value();
+    update.on_map = false;
+    update.map.reset();
+    viewer.take(update);
+    changed += keyframe ? 1 : 0;
+  }
+  EXPECT_GT(changed, 10U);
+  EXPECT_TRUE(page->tiles.empty());
+  EXPECT_TRUE(page->path.empty());
+  EXPECT_EQ(page->scans, static_cast<int>(tour_updates().size())) << "scans are shown all the same";
+}
+
 TEST_F(ViewerTest, AMapThatBeginsAnewIsTakenAway) {
   const auto page = open();
   for (const live::LiveUpdate& update : tour_updates()) viewer.take(update);

@@ -11,7 +11,7 @@ const wire = (() => {
   function scan(view, buffer) {
     const f = (i) => view.getFloat32(16 + 4 * i, true), n = view.getUint32(4, true);
     on.scan({
-      state: states[view.getUint8(1)] || "lost", stamp: view.getFloat64(8, true), x: f(0), y: f(1), theta: f(2),
+      state: states[view.getUint8(1)] || "lost", placed: !(view.getUint16(2, true) & 1), stamp: view.getFloat64(8, true), x: f(0), y: f(1), theta: f(2),
       xx: f(3), xy: f(4), yy: f(5), tt: f(6), explained: f(7), latency: f(8), unit: f(9), points: new Int16Array(buffer, 56, 2 * n),
     });
   }

@@ -118,7 +118,8 @@ const world = (() => {
     },
     scan(scan) {
       state.scan = scan;
-      if (scan.state !== "lost") state.tail.push([scan.x, scan.y]);
+      if (!scan.placed) state.tail = [];
+      else if (scan.state !== "lost") state.tail.push([scan.x, scan.y]);
       if (state.tail.length > 600) state.tail.shift();
     },
   };

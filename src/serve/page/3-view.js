@@ -79,10 +79,16 @@ const view = (() => {
     }
   }
 
-  function line(points, colour, width, more) {
+  function line(points, colour, width) {
     context.beginPath();
-    points.forEach((p, i) => (i ? context.lineTo(px(p[0]), py(p[1])) : context.moveTo(px(p[0]), py(p[1]))));
-    if (more) context.lineTo(px(more[0]), py(more[1]));
+    // Where nobody knows how it went on there is no line.
+    const gap = 1.5;
+    let before = null;
+    for (const p of points) {
+      if (before && Math.hypot(p[0] - before[0], p[1] - before[1]) < gap * (points.length > 2 ? 1 : 1e9)) context.lineTo(px(p[0]), py(p[1]));
+      else if (p[0] === p[0]) context.moveTo(px(p[0]), py(p[1]));
+      before = p[0] === p[0] ? p : null;
+    }
     context.strokeStyle = colour;
     context.lineWidth = width * ratio;
     context.stroke();
@@ -92,7 +98,7 @@ const view = (() => {
     let young = false;
     for (const loop of world.state.loops) {
       const a = world.state.path[loop.from], b = world.state.path[loop.to];
-      if (!a || !b) continue;
+      if (!a || !b || a[0] !== a[0] || b[0] !== b[0]) continue;
       const age = (now - loop.born) / 2500;
       young = young || age < 1;
       context.globalAlpha = age < 1 ? 1 : 0.5;
@@ -174,6 +180,7 @@ const view = (() => {
     context.globalAlpha = 1;
     if (scan) {
       draw_sigma(scan);
+      context.globalAlpha = scan.state === "lost" ? 0.4 : 1;
       draw_scan(scan);
       context.globalAlpha = scan.state === "lost" || document.body.dataset.line === "off" ? 0.35 : 1;
       arrow(scan.x, scan.y, scan.theta, ink[theme].robot, 13);

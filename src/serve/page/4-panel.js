@@ -12,6 +12,8 @@
     ambiguous: ["Ambiguous", "a direction is open, as along a bare corridor"],
     lost: ["Lost", "the pose shown is only a prediction"],
     stalled: ["No scans", ""],
+    told: ["Put by hand", "shown there until the map says better"],
+    looking: ["Looking for itself", "drive on: a place that is known again joins the map"],
     offline: ["Not connected", "trying again"],
   };
 
@@ -44,17 +46,18 @@
     const scan = world.state.scan, age = (performance.now() - last_scan) / 1000;
     let name = offline ? "offline" : status && !scan ? status.state : scan ? scan.state : "waiting";
     if (!offline && status && (status.state === "stalled" || status.state === "waiting")) name = status.state;
-    const [title, text] = words[name] ?? words.waiting;
+    const unplaced = scan && !scan.placed && !offline;
+    const [title, text] = unplaced && name === "degraded" ? words.told : unplaced && name === "lost" ? words.looking : words[name] ?? words.waiting;
     el("state").dataset.state = name;
     el("state-name").textContent = title;
-    el("state-source").textContent = status ? status.source : "";
+    el("state-source").textContent = status ? status.source.split("/").pop() : "";
     const where = scan ? `${scan.x.toFixed(2)}, ${scan.y.toFixed(2)} m, ${(scan.theta * 180 / Math.PI).toFixed(0)}\u00b0` : "";
     el("state-text").textContent = name === "stalled" ? `the last one came ${Math.round(status.age_s)} s ago: cable, power, motor?` : text || where;
     el("alarm").hidden = !(name === "lost" || name === "offline" || name === "stalled") || (name === "offline" && age < 2);
     el("alarm-name").textContent = title;
     el("alarm-text").textContent = name === "lost" ? "Drive on: a place that is known again brings it back. Or tell it where it is." :
       name === "stalled" ? "The sensor is silent. It is taken up again as soon as it speaks." : "The program has ended, or the network is down. This page connects by itself.";
-    el("alarm-find").hidden = name !== "lost";
+    el("alarm-find").hidden = name !== "lost" || unplaced;
     document.body.dataset.line = offline ? "off" : "on";
     document.title = (name === "ok" ? "" : title + " \u2013 ") + "phasescan";
   }
@@ -96,6 +99,7 @@
     el("record-text").textContent = now.recording ? "Stop recording" : "Record";
     const replay = now.replay && now.replay.duration_s > 0 ? now.replay : null;
     el("replay").hidden = !replay;
+    document.body.classList.toggle("replays", !!replay);
     el("toasts").style.bottom = el("hint").style.bottom = replay ? "" : "24px";
     if (replay && !sliding) {
       el("time").value = 1000 * replay.time_s / replay.duration_s;
