@@ -33,7 +33,8 @@ calibrate    core scan io sim
 config       core methods io match fft_icp slam
 output       core scan map match methods slam io
 report       core scan match map slam output io
-foxglove     core scan io
+serve        core scan map odometry slam io live output
+foxglove     core scan map slam io live serve
 eval         core scan match fft_icp methods odometry slam sim config output report io
 """
 # Around the core: tests of any folder may use these to make and read their inputs.
