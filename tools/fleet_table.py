@@ -28,6 +28,7 @@ SEED, SCANS_S, NEAR_M = 5000, 55.0, 2.0
 
 
 def make_logs(folder, kinds, each):
+    folder.mkdir(exist_ok=True)
     for world, kind in enumerate(kinds):
         for k in range(each):
             path = folder / f"{world:03d}-{k}.jsonl"
