@@ -8,9 +8,12 @@
 #include "commands.hpp"
 #include "io/file.hpp"
 #include "live/port.hpp"
+#include "live_keeping.hpp"
 #include "live_sources.hpp"
 #include "people.hpp"
+#include "phasescan/io/error.hpp"
 #include "phasescan/live/live.hpp"
+#include "saved_run.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -18,6 +21,7 @@ namespace {
 struct LiveFlags {
   CommonFlags common;
   LogOptions options;
+  KeepingFlags keeping;
   std::string port, replay, sensor, raw;
   bool demo = false, json = false, list = false;
 };
@@ -56,40 +60,86 @@ std::unique_ptr<live::LiveSource> source_of(const LiveFlags& flags) {
   return live::open_sensor(flags.port, flags.sensor, flags.raw);
 }
 
-int run_live_command(const LiveFlags& flags) {
-  if (flags.list) return print_list();
-  if (!flags.raw.empty() && flags.port.empty())
-    throw std::invalid_argument("--raw: keeps what a port sends; expected --port with it");
-  const Config config = config_from(flags.common);
-  const std::unique_ptr<live::LiveSource> source = source_of(flags);
-  ThreadExecutor executor;
-  Slam slam(config.slam, Schedule::kLatest, &executor);
-  const InterruptGuard guard;
-  const bool terminal = ::isatty(STDERR_FILENO) != 0 && !flags.json;
-  std::string before;
-  const auto show = [&](const live::LiveUpdate& update) {
-    if (flags.json) {
+/// What people see of a run: a line per scan with --json, else one that changes on a terminal, else one per event.
+class LiveOutput {
+ public:
+  explicit LiveOutput(bool json) : json_(json), terminal_(::isatty(STDERR_FILENO) != 0 && !json) {}
+
+  void show(const live::LiveUpdate& update) {
+    if (json_) {
       print(json_line(update));
       flush();
       return;
     }
     const Pose2 pose = update.update.T_map_base();
-    if (terminal) {
-      std::fprintf(stderr, "\r%-12s x %7.2f m  y %7.2f m  heading %6.1f deg  %5.1f ms ",
-                   to_string(update.update.status), pose.x, pose.y, rad_to_deg(pose.theta), update.latency_ms);
-    } else if (to_string(update.update.status) != before) {
-      before = to_string(update.update.status);
-      std::fprintf(stderr, "phasescan: %s\n", before.c_str());
+    const std::string status = to_string(update.update.status);
+    if (terminal_) {
+      std::fprintf(stderr, "\r%-12s x %7.2f m  y %7.2f m  heading %6.1f deg  %5.1f ms ", status.c_str(), pose.x, pose.y,
+                   rad_to_deg(pose.theta), update.latency_ms);
+    } else if (status != before_) {
+      std::fprintf(stderr, "phasescan: %s\n", status.c_str());
     }
-  };
-  const auto tell = [&](const std::string& text) {
-    std::fprintf(stderr, "%sphasescan: %s\n", terminal ? "\n" : "", text.c_str());
-  };
-  const live::LiveSummary summary = live::run_live(
-      *source, slam, [] { return InterruptGuard::interrupted(); }, show, tell);
-  if (terminal) std::fprintf(stderr, "\n");
+    before_ = status;
+  }
+  void tell(const std::string& text) const {
+    std::fprintf(stderr, "%sphasescan: %s\n", terminal_ ? "\n" : "", text.c_str());
+  }
+  void end() const {
+    if (terminal_) std::fprintf(stderr, "\n");
+  }
+
+ private:
+  bool json_, terminal_;
+  std::string before_;
+};
+
+/// A run that begins, or goes on with --resume.
+struct BegunRun {
+  std::optional<SavedRun> saved;
+  SlamOptions options;
+};
+
+BegunRun begin(const LiveFlags& flags, const Config& config) {
+  if (flags.keeping.resume.empty()) return {std::nullopt, config.slam};
+  BegunRun begun{load_run(flags.keeping.resume).saved, {}};
+  begun.options = options_to_go_on(*begun.saved, flags.common.config, config.slam);
+  return begun;
+}
+
+int run_live_command(const LiveFlags& flags) {
+  if (flags.list) return print_list();
+  if (!flags.raw.empty() && flags.port.empty())
+    throw std::invalid_argument("--raw: keeps what a port sends; expected --port with it");
+  LiveOutput output(flags.json);
+  const auto tell = [&](const std::string& text) { output.tell(text); };
+  BegunRun begun = begin(flags, config_from(flags.common));
+  std::unique_ptr<live::LiveSource> source = source_of(flags);
+  LiveKeeping keeping(flags.keeping, begun.options.slam.autosave_s, tell);
+  ThreadExecutor executor;
+  Slam slam = begun.saved ? Slam(begun.saved->state, begun.options, Schedule::kLatest, &executor)
+                          : Slam(begun.options, Schedule::kLatest, &executor);
+  if (begun.saved && begun.saved->state.scans() > 0)
+    source =
+        resumed(std::move(source), slam, summarize(begun.saved->state).last_stamp, begun.options.slam.session_gap_s);
+  begun.saved.reset();
+  const InterruptGuard guard;
+  live::LiveSummary summary;
+  try {
+    summary = live::run_live(
+        *source, slam, [] { return InterruptGuard::interrupted(); },
+        [&](const live::LiveUpdate& update) {
+          output.show(update);
+          keeping.take(update);
+        },
+        tell, [&](Slam& run) { keeping.between(run); });
+  } catch (...) {
+    keeping.finish(slam);
+    throw;
+  }
+  output.end();
   tell(fmt::format("{} scans, {} left out because they came faster than they were used, at most {:.1f} ms late",
                    summary.scans, summary.dropped, summary.worst_latency_ms));
+  if (!keeping.finish(slam)) throw SystemError("live", "not all that was to be kept could be written");
   if (summary.scans == 0 && !InterruptGuard::interrupted()) return fail("not one scan came", kAnswerIsNo);
   return kDone;
 }
@@ -114,6 +164,7 @@ void add_live_command(CLI::App& app, CommandBody& body) {
       ->type_name("FILE")
       ->check(not_empty());
   command->add_flag("--list", flags->list, "ports found and sensors known");
+  add_keeping_flags(*command, flags->keeping);
   add_log_flags(*command, flags->options);
   add_config_flag(*command, flags->common);
   add_seed_flag(*command, flags->common);

@@ -132,26 +132,6 @@ std::string reading_of(const SlamFlags& flags) {
   return text.str();
 }
 
-/// The options of a run that goes on: its own, where none are given. @throws InputError where it cannot go on with
-/// these
-SlamOptions options_from(const SlamFlags& flags, const Config& config, const SavedRun& saved) {
-  if (flags.common.config.empty()) return saved.options;
-  const OptionDifferences differences = compare_options(config.slam, saved.options);
-  const auto list = [](const std::vector<std::string>& items) {
-    std::string text;
-    for (const std::string& item : items) text += (text.empty() ? "" : "; ") + item;
-    return text;
-  };
-  if (!differences.fatal.empty()) {
-    throw InputError(flags.common.config, 0,
-                     "has options that the state cannot go on with: " + list(differences.fatal) +
-                         "; expected those it was made with");
-  }
-  if (!differences.harmless.empty())
-    warn(flags.common.config + ": options are others than the state was made with: " + list(differences.harmless));
-  return config.slam;
-}
-
 /// A run that is loaded, or a new one.
 struct Begun {
   SlamOptions options;
@@ -163,7 +143,7 @@ Begun begin(const SlamFlags& flags, const Config& config) {
   Begun begun{config.slam, std::nullopt, {}};
   if (!flags.from().empty()) {
     LoadedRun loaded = load_run(flags.from());
-    begun.options = options_from(flags, config, loaded.saved);
+    begun.options = options_to_go_on(loaded.saved, flags.common.config, config.slam);
     begun.saved = std::move(loaded.saved);
     begun.run = std::move(loaded.run);
     if (flags.extend.empty() && begun.run.reading != reading_of(flags))

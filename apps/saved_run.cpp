@@ -5,6 +5,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "commands.hpp"
 #include "io/file.hpp"
 #include "phasescan/io/error.hpp"
 #include "state/container.hpp"
@@ -100,6 +101,24 @@ LoadedRun load_run(const std::string& path) {
   } catch (const StateFormatError& error) {
     throw InputError(path, 0, error.what());
   }
+}
+
+SlamOptions options_to_go_on(const SavedRun& saved, const std::string& file, const SlamOptions& given) {
+  if (file.empty()) return saved.options;
+  const OptionDifferences differences = compare_options(given, saved.options);
+  const auto list = [](const std::vector<std::string>& items) {
+    std::string text;
+    for (const std::string& item : items) text += (text.empty() ? "" : "; ") + item;
+    return text;
+  };
+  if (!differences.fatal.empty()) {
+    throw InputError(file, 0,
+                     "has options that the state cannot go on with: " + list(differences.fatal) +
+                         "; expected those it was made with");
+  }
+  if (!differences.harmless.empty())
+    warn(file + ": options are others than the state was made with: " + list(differences.harmless));
+  return given;
 }
 
 void StateSaver::scan_added(Slam& slam, const SlamRun& run) {

@@ -17,6 +17,9 @@ struct LoadedRun {
 
 /// @throws InputError for a file that is not there, is no state or a damaged one; SystemError
 LoadedRun load_run(const std::string& path);
+/// The options of a run that goes on: its own where no settings file is named, else those of the file, with a warning
+/// that names what differs. @throws InputError where it cannot go on with these
+SlamOptions options_to_go_on(const SavedRun& saved, const std::string& file, const SlamOptions& given);
 /// The bytes of a file that may be a state. @throws InputError, SystemError
 std::string read_state_bytes(const std::string& path);
 /// Whether a file begins as a state does; false for what cannot be read.

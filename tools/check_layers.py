@@ -31,12 +31,13 @@ calibrate    core scan io sim
 config       core methods io match fft_icp slam
 output       core scan map match methods slam io
 report       core scan match map slam output io
+foxglove     core scan io
 eval         core scan match fft_icp methods odometry slam sim config output report io
 """
 # Around the core: tests of any folder may use these to make and read their inputs.
 TOOLS = {"io", "sim", "config", "output", "eval"}
 # What stands on top of all and is included by nothing but itself.
-TOP = ["apps", "bench", "fuzz", "tests/apps", "tests/interop", "tests/simd", "tests/slow", "tests/slow_io", "tests/package",
+TOP = ["apps", "bench", "bindings", "fuzz", "tests/apps", "tests/interop", "tests/simd", "tests/slow", "tests/slow_io", "tests/package",
        "tests/support"]
 INCLUDE = re.compile(r'#\s*include "([^"]+)"')
 
@@ -86,7 +87,7 @@ def place_of(path: pathlib.Path) -> str:
 
 def sources() -> list[pathlib.Path]:
     found = []
-    for base in ("include", "src", "apps", "tests", "bench", "fuzz", "examples"):
+    for base in ("include", "src", "apps", "bindings", "tests", "bench", "fuzz", "examples"):
         found += [p for p in (ROOT / base).rglob("*") if p.suffix in (".hpp", ".cpp", ".inc", ".h")]
     return sorted(found)
 

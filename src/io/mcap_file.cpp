@@ -62,7 +62,15 @@ void put_chunk_index(ByteWriter& out, const McapFile::ChunkIndex& chunk) {
 
 }  // namespace
 
-McapFile::McapFile(const std::string& path) : file_(path) {
+McapFile::McapFile(const std::string& path) : whole_(path) {
+  begin();
+}
+
+McapFile::McapFile(GrowingFile file) : growing_(std::move(file)) {
+  begin();
+}
+
+void McapFile::begin() {
   ByteWriter header;
   header.raw(mcap::kMagic);
   mcap::put_record(header, Op::kHeader, [](ByteWriter& record) {
@@ -73,7 +81,11 @@ McapFile::McapFile(const std::string& path) : file_(path) {
 }
 
 void McapFile::write(const ByteWriter& bytes) {
-  file_.write(as_text(bytes.bytes()));
+  if (growing_) {
+    growing_->write(as_text(bytes.bytes()));
+  } else {
+    whole_->write(as_text(bytes.bytes()));
+  }
   position_ += bytes.size();
 }
 
@@ -131,8 +143,9 @@ void McapFile::finish_chunk() {
     record.raw(Bytes(packed_.data(), made));
   });
   entry.length = out.size();
+  entry.message_indexes.reserve(index_.size());
   for (const auto& [id, messages] : index_) {
-    entry.message_indexes[id] = position_ + out.size();
+    entry.message_indexes.emplace_back(id, position_ + out.size());
     mcap::put_record(out, Op::kMessageIndex, [&, &id = id, &messages = messages](ByteWriter& record) {
       record.put(id);
       record.put(static_cast<std::uint32_t>(messages.size() * 16));
@@ -215,7 +228,11 @@ void McapFile::finish() {
   out.put(checksum(out.bytes()));
   out.raw(mcap::kMagic);
   write(out);
-  file_.commit();
+  if (growing_) {
+    growing_->close();
+  } else {
+    whole_->commit();
+  }
 }
 
 }  // namespace phasescan

@@ -1,8 +1,11 @@
 /// ROS messages as CDR, with the definitions a reader needs to understand them.
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "io/ros_messages.hpp"
@@ -30,6 +33,20 @@ struct Path {
   std::span<const PathPoint> points;
 };
 
+/// std_msgs/String.
+struct Text {
+  std::string data;
+};
+
+/// diagnostic_msgs/DiagnosticArray with one status.
+struct Diagnostics {
+  enum class Level : std::uint8_t { kOk, kWarn, kError };
+  Header header;
+  Level level = Level::kOk;
+  std::string name, message, hardware_id;
+  std::vector<std::pair<std::string, std::string>> values;
+};
+
 /// A planar pose in space; upside down turns it by half a turn about its own x axis.
 Pose3 spatial(const Pose2& pose, bool flipped = false);
 
@@ -40,10 +57,13 @@ void encode(const Odometry& message, ByteWriter& out);
 void encode(const std::vector<Transform>& message, ByteWriter& out);
 void encode(const OccupancyGrid& message, ByteWriter& out);
 void encode(const Path& message, ByteWriter& out);
+void encode(const PoseEstimate& message, ByteWriter& out);
+void encode(const Text& message, ByteWriter& out);
+void encode(const Diagnostics& message, ByteWriter& out);
 /// @}
 
 /// The definition of a message type in the form "ros2msg", with those of all types it is made of.
-/// @throws std::invalid_argument for a type that is not one of the five.
+/// @throws std::invalid_argument for a type that none of them is.
 std::string message_definition(std::string_view type);
 
 }  // namespace phasescan::ros

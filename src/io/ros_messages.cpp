@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "io/ros_tf.hpp"
+
 namespace phasescan::ros {
 namespace {
 
@@ -182,6 +184,18 @@ void read(W wire, std::vector<Transform>& out) {
   wire.finish();
 }
 
+template <class W>
+void read(W wire, PoseEstimate& out) {
+  read_header(wire, out.header);
+  out.pose = planar(read_pose(wire));
+  double full[36];
+  for (double& value : full) value = wire.template get<double>();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) out.covariance(row, column) = full[kPlanar[row] * 6 + kPlanar[column]];
+  }
+  wire.finish();
+}
+
 template <class T>
 void decode_any(Wire wire, Bytes data, T& out) {
   if (wire == Wire::kRos1) {
@@ -209,6 +223,10 @@ void decode(Wire wire, Bytes data, Odometry& out) {
   decode_any(wire, data, out);
 }
 void decode(Wire wire, Bytes data, std::vector<Transform>& out) {
+  decode_any(wire, data, out);
+}
+
+void decode(Wire wire, Bytes data, PoseEstimate& out) {
   decode_any(wire, data, out);
 }
 

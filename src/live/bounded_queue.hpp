@@ -38,6 +38,27 @@ class BoundedQueue {
     return value;
   }
 
+  /// As pop, but waits no longer than this; then nothing, too.
+  template <class Duration>
+  std::optional<T> pop_within(Duration time) {
+    std::unique_lock lock(mutex_);
+    filled_.wait_for(lock, time, [this] { return closed_ || !values_.empty(); });
+    if (values_.empty()) return std::nullopt;
+    T value = std::move(values_.front());
+    values_.pop_front();
+    return value;
+  }
+
+  bool empty() const {
+    const std::lock_guard lock(mutex_);
+    return values_.empty();
+  }
+  /// Closed, and all was taken.
+  bool ended() const {
+    const std::lock_guard lock(mutex_);
+    return closed_ && values_.empty();
+  }
+
   /// Nothing more comes. What is in it can still be taken.
   void close() {
     {

@@ -15,11 +15,13 @@ namespace {
 constexpr std::size_t kScans = 8;
 constexpr std::size_t kUpdates = 64;
 
-LiveUpdate add(Slam& slam, const LiveScan& scan) {
+LiveUpdate add(Slam& slam, LiveScan scan) {
   LiveUpdate out;
   out.update = slam.add(scan.measurement);
   out.confidence = is_tracked(out.update.status) ? out.update.diagnostics.overlap : 0.0;
   out.latency_ms = 1e-6 * static_cast<double>(steady_ns() - scan.arrived_ns);
+  out.measurement = std::make_shared<const RangeMeasurement>(std::move(scan.measurement));
+  out.map = slam.map();
   return out;
 }
 
@@ -27,7 +29,7 @@ LiveUpdate add(Slam& slam, const LiveScan& scan) {
 
 LiveSummary run_live(LiveSource& source, Slam& slam, const std::function<bool()>& stop,
                      const std::function<void(const LiveUpdate&)>& sink,
-                     const std::function<void(const std::string&)>& tell) {
+                     const std::function<void(const std::string&)>& tell, const std::function<void(Slam&)>& between) {
   BoundedQueue<LiveScan> scans(kScans);
   BoundedQueue<LiveUpdate> updates(kUpdates);
   std::exception_ptr failure;
@@ -48,11 +50,12 @@ LiveSummary run_live(LiveSource& source, Slam& slam, const std::function<bool()>
   std::thread mapping([&] {
     guarded([&] {
       while (auto scan = scans.pop()) {
-        LiveUpdate update = add(slam, *scan);
+        LiveUpdate update = add(slam, std::move(*scan));
         update.dropped = scans.dropped();
         ++summary.scans;
         summary.worst_latency_ms = std::max(summary.worst_latency_ms, update.latency_ms);
         updates.push(std::move(update));
+        if (between && scans.empty()) between(slam);
       }
     });
     updates.close();

@@ -12,6 +12,16 @@ import sys
 sys.exit(0 if open(sys.argv[1]).read() in open(sys.argv[2]).read() else 1)
 PYTHON
 
+# Its Python too, but for the blank lines that Python's style asks for, and that of docs/python.md is the same.
+python3 - "$1" <<'PYTHON' || fail "the Python of README.md, docs/python.md and examples/02_where_am_i.py differ"
+import pathlib, re, sys
+root = pathlib.Path(sys.argv[1])
+lines = lambda text: [line for line in text.splitlines() if line]
+shown = [re.search("^```python\n(.*?)^```$", (root / name).read_text(), re.M | re.S)[1] for name in ("README.md", "docs/python.md")]
+run = "\n".join(lines((root / "examples/02_where_am_i.py").read_text()))
+sys.exit(0 if shown[0] == shown[1] and "\n".join(lines(shown[0])) in run else 1)
+PYTHON
+
 # docs/parameters.md is what `config --dump` prints.
 "$1/scripts/parameters" "$2" | cmp -s - "$1/docs/parameters.md" || fail "docs/parameters.md is out of date: run scripts/parameters >docs/parameters.md"
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """What `convert` and `slam` write, read back by other hands: g2o, TUM, CARMEN by plain parsing of the formats' own words,
-PGM by python3-pil, the MCAP of `slam --mcap` by npm's @mcap/core (as check_interop.py).
+PGM by python3-pil, the MCAP of `slam --mcap` and `live --record` by npm's @mcap/core (as check_interop.py).
 
 Usage: check_writers.py PHASESCAN [--mcap | --pgm]; exit 77 (skipped) with one line where a judge is missing.
 """
@@ -8,8 +8,10 @@ import json
 import math
 import os
 import pathlib
+import subprocess
 import sys
 import tempfile
+import time
 
 from check_interop import HERE, SKIPPED, find_modules, float32, run
 
@@ -227,6 +229,37 @@ def check_mcap(phasescan, folder):
           f"path of {len(path['poses'])}, grid {width} x {height} = map.pgm")
 
 
+def check_recording(phasescan, folder):
+    """What `live --record` leaves: finished, and killed while it was written."""
+    lines, _ = room_log(folder / "log.jsonl", scans=12)
+    run(phasescan, "live", "--replay", folder / "log.jsonl", "--record", folder / "whole.mcap")
+    messages = [json.loads(line) for line in run("node", HERE / "read_mcap.mjs", folder / "whole.mcap").splitlines()]
+    topics = {m["topic"]: m["type"] for m in messages}
+    assert topics == {"/scan": "sensor_msgs/msg/LaserScan", "/tf": "tf2_msgs/msg/TFMessage", "/tf_static": "tf2_msgs/msg/TFMessage",
+                      "/map": "nav_msgs/msg/OccupancyGrid", "/path": "nav_msgs/msg/Path", "/status": "std_msgs/msg/String",
+                      "/pose": "geometry_msgs/msg/PoseWithCovarianceStamped", "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray"}, topics
+    scans = [m["content"] for m in messages if m["topic"] == "/scan"]
+    assert [s["ranges"] for s in scans] == [[float32(r) for r in line["ranges"]] for line in lines]
+    poses = [m["content"] for m in messages if m["topic"] == "/pose"]
+    for pose in poses:
+        covariance = pose["pose"]["covariance"]
+        assert pose["header"]["frame_id"] == "map" and covariance[0] > 0 and covariance[7] > 0 and covariance[35] > 0 and covariance[14] == 0
+        assert covariance[1] == covariance[6] and covariance[5] == covariance[30]
+    status = [m["content"]["data"] for m in messages if m["topic"] == "/status"]
+    assert len(status) == len(lines) and set(status[1:]) == {"ok"}, status
+    diagnostics = [m["content"]["status"] for m in messages if m["topic"] == "/diagnostics"]
+    assert diagnostics[-1][0]["message"] == "ok" and diagnostics[-1][0]["level"] == 0, diagnostics[-1]
+    assert {v["key"]: v["value"] for v in diagnostics[-1][0]["values"]}["scans"] == str(len(lines))
+    process = subprocess.Popen([phasescan, "live", "--replay", folder / "log.jsonl", "--record", folder / "cut.mcap"], stderr=subprocess.DEVNULL)
+    time.sleep(2.0)
+    process.kill()
+    process.wait()
+    cut = [json.loads(line) for line in run("node", HERE / "read_mcap.mjs", folder / "cut.mcap", "--unfinished").splitlines()]
+    kept = [m["content"]["ranges"] for m in cut if m["topic"] == "/scan"]
+    assert 2 <= len(kept) < len(lines) and kept == [s["ranges"] for s in scans[:len(kept)]], len(kept)
+    print(f"@mcap/core: live --record, {len(messages)} messages on {len(topics)} topics; killed after 2 s, {len(kept)} scans")
+
+
 def main():
     phasescan = sys.argv[1]
     with tempfile.TemporaryDirectory() as name:
@@ -235,6 +268,7 @@ def main():
             if not find_modules():
                 return SKIPPED
             check_mcap(phasescan, folder)
+            check_recording(phasescan, folder)
         elif "--pgm" in sys.argv:
             try:
                 import PIL  # noqa: F401

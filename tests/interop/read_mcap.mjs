@@ -1,5 +1,5 @@
 // Reads an MCAP with @mcap/core and @foxglove/rosmsg2-serialization and prints every message as a line of JSON.
-// Usage: node read_mcap.mjs FILE   (the two packages installed beside it or in NODE_PATH)
+// Usage: node read_mcap.mjs FILE [--unfinished]   (the two packages installed beside it or in NODE_PATH)
 import { createRequire } from "node:module";
 import { open } from "node:fs/promises";
 const require = createRequire(process.env.INTEROP_MODULES ? process.env.INTEROP_MODULES + "/" : import.meta.url);
@@ -27,6 +27,22 @@ const readable = {
     return bytes;
   },
 };
+if (process.argv[3] === "--unfinished") {
+  // A recording that was cut off: no index, whole records from the front, checksums checked.
+  const stream = new McapStreamReader({ decompressHandlers, validateCrcs: true });
+  stream.append(await readable.read(0n, BigInt(size)));
+  const channels = new Map(), schemas = new Map(), parsers = new Map();
+  for (let record; (record = stream.nextRecord()); ) {
+    if (record.type === "Schema") schemas.set(record.id, record);
+    if (record.type === "Channel") channels.set(record.id, record);
+    if (record.type !== "Message") continue;
+    const channel = channels.get(record.channelId), schema = schemas.get(channel.schemaId);
+    if (!parsers.has(schema.id)) parsers.set(schema.id, new MessageReader(parse(new TextDecoder().decode(schema.data), { ros2: true })));
+    const content = parsers.get(schema.id).readMessage(record.data);
+    console.log(JSON.stringify({ topic: channel.topic, type: schema.name, log_time: record.logTime, content }, plain));
+  }
+  process.exit(0);
+}
 const indexed = await McapIndexedReader.Initialize({ readable, decompressHandlers });
 const readers = new Map();
 let count = 0;

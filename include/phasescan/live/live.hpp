@@ -39,6 +39,8 @@ std::unique_ptr<LiveSource> open_sensor(const std::string& port, const std::stri
 /// What one scan brought, and how long that took.
 struct LiveUpdate {
   ScanUpdate update;
+  std::shared_ptr<const RangeMeasurement> measurement;  ///< that it came of; never null
+  std::shared_ptr<const MapSnapshot> map;               ///< as it was then; never null
   double confidence = 0.0;    ///< 0..1: share of the hits that the map explains; 0 where the scan was not matched
   double latency_ms = 0.0;    ///< from the last byte of the scan to this
   std::uint64_t dropped = 0;  ///< scans so far that came faster than they were used
@@ -53,9 +55,12 @@ struct LiveSummary {
 /// Source, SLAM and `sink`, each in its own thread with a bounded queue between them: where one is too slow the oldest
 /// scan is left out and counted. Returns when the source ends or `stop` says so, all threads joined and every scan that
 /// was in a queue done.
+/// @param between  by the thread of SLAM where no scan waits: may read the run, as Slam::checkpoint does. What it takes
+/// longer than to the next scan makes that one late. Empty: nothing
 /// @throws what the source throws
 LiveSummary run_live(LiveSource& source, Slam& slam, const std::function<bool()>& stop,
                      const std::function<void(const LiveUpdate&)>& sink,
-                     const std::function<void(const std::string&)>& tell);
+                     const std::function<void(const std::string&)>& tell,
+                     const std::function<void(Slam&)>& between = {});
 
 }  // namespace phasescan::live

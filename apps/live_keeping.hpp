@@ -1,0 +1,45 @@
+// What `live` keeps while it runs: a recording, and the state to go on from.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "live/recorder.hpp"
+#include "live/state_keeper.hpp"
+
+namespace phasescan::app {
+
+struct KeepingFlags {
+  std::string record, save, resume;
+};
+void add_keeping_flags(CLI::App& command, KeepingFlags& flags);
+
+class LiveKeeping {
+ public:
+  using Tell = std::function<void(const std::string&)>;
+  /// Opens the recording; says before anything begins where a file cannot be written. @throws InputError, SystemError
+  LiveKeeping(const KeepingFlags& flags, double autosave_s, const Tell& tell);
+
+  /// By the thread of the output.
+  void take(const live::LiveUpdate& update);
+  /// By the thread of SLAM.
+  void between(Slam& slam);
+  /// Saves the state, closes the recording, says what is in it. False where the disk said no.
+  bool finish(Slam& slam);
+
+ private:
+  Tell tell_;
+  std::optional<live::Recorder> recorder_;
+  std::optional<live::StateKeeper> state_;
+  std::string save_;
+};
+
+/// The source of a run that goes on: where its first scan follows the run's last one by at most `session_gap_s`, it
+/// goes on with it; else it is another drive (Slam::begin_session).
+std::unique_ptr<live::LiveSource> resumed(std::unique_ptr<live::LiveSource> source, Slam& slam, Stamp last,
+                                          double session_gap_s);
+
+}  // namespace phasescan::app

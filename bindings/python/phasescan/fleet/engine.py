@@ -1,0 +1,93 @@
+"""Tasks on Dask's distributed scheduler: in order, retried where a worker dies."""
+from __future__ import annotations
+
+import contextlib
+import logging
+import sys
+from typing import Any, Callable, Iterator, Sequence, TypeVar
+
+import dask
+import distributed
+
+Item = TypeVar("Item")
+Outcome = TypeVar("Outcome")
+
+MOST_DEATHS = 20  # of workers under one task, until that task is taken for what kills them
+
+
+class Engine:
+    """A client of a scheduler, with its tasks' progress on standard error."""
+
+    def __init__(self, client: distributed.Client, say: Callable[[str], None]) -> None:
+        self.client = client
+        self.say = say
+
+    @property
+    def workers(self) -> int:
+        """How many there are now, at least one."""
+        threads: int = sum(self.client.nthreads().values())
+        return max(1, threads)
+
+    def map(self, name: str, work: Callable[[Item], Outcome], items: Sequence[Item]) -> list[Outcome]:
+        """``work`` of each item, wherever there is a worker; the results in the order of the items."""
+        futures = [self.client.submit(work, item, pure=False, retries=MOST_DEATHS, key=f"{name}-{k}-{id(self)}") for k, item in enumerate(items)]
+        done = 0
+        for _ in distributed.as_completed(futures):
+            done += 1
+            self.say(f"{name}: {done} of {len(futures)} tasks")
+        results: list[Outcome] = self.client.gather(futures)
+        return results
+
+
+@contextlib.contextmanager
+def open_engine(scheduler: str | None, workers: int, say: Callable[[str], None]) -> Iterator[Engine]:
+    """Workers here, as processes of one thread, or those of a scheduler that runs.
+
+    Raises
+    ------
+    OSError
+        No scheduler answers at that address.
+    """
+    dask.config.set({"distributed.scheduler.allowed-failures": MOST_DEATHS, "distributed.comm.timeouts.connect": "20s",
+                     "distributed.worker.daemon": True, "distributed.admin.tick.limit": "60s"})
+    logging.getLogger("distributed").setLevel(logging.ERROR)
+    if scheduler:
+        with distributed.Client(scheduler) as client:
+            say(f"dashboard at {client.dashboard_link}")
+            yield Engine(client, say)
+        return
+    with distributed.LocalCluster(n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0,
+                                  silence_logs=logging.CRITICAL) as cluster, distributed.Client(cluster) as client:
+        say(f"dashboard at {client.dashboard_link}")
+        yield Engine(client, say)
+
+
+def progress() -> Callable[[str], None]:
+    """Says a line on standard error; on a terminal the next one takes its place."""
+    terminal = sys.stderr.isatty()
+    before = [""]
+
+    def say(text: str) -> None:
+        head = text.split(":")[0]
+        if terminal:
+            sys.stderr.write(("\r\x1b[K" if head == before[0] else "\n" if before[0] else "") + f"phasescan fleet: {text}")
+            sys.stderr.flush()
+        elif ": " not in text or text.startswith("dashboard"):
+            sys.stderr.write(f"phasescan fleet: {text}\n")
+        before[0] = head
+
+    return say
+
+
+def in_chunks(items: Sequence[Any], costs: Sequence[float], workers: int, most_s: float = 120.0) -> list[list[Any]]:
+    """Neighbours together, in tasks of at most ``most_s`` or a tenth of a worker's share, whichever is less."""
+    most = min(most_s, sum(costs) / max(1, workers) / 10)
+    chunks: list[list[Any]] = []
+    size = 0.0
+    for item, cost in zip(items, costs):
+        if not chunks or size + cost > most:
+            chunks.append([])
+            size = 0.0
+        chunks[-1].append(item)
+        size += cost
+    return chunks
