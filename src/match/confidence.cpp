@@ -56,9 +56,9 @@ constexpr std::array<std::pair<SeenFeature, SeenFeature>, ConfidenceFeatures::kP
 }};
 
 constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{
-    -1.982, 3.812,  1.371,  -0.039, -3.526, -1.223, -7.128, 2.333,  5.261,  10.554, -1.865,
-    7.597,  -9.155, -3.523, -0.683, -0.075, 0.204,  0.117,  -0.021, 1.295,  0.001,  -2.732,
-    -2.657, -0.334, -7.762, 1.380,  -1.771, 0.150,  0.127,  -3.455, -0.648, -4.577, 5.351};
+    -2.947, 4.167,  1.270,  -0.062, -3.138, -0.752, -8.502, 1.858,  3.740,  12.139, 0.625,
+    8.073,  -9.859, -4.834, -0.751, -0.324, 0.177,  0.123,  -0.029, 1.214,  -0.005, -2.475,
+    -2.190, -0.308, -2.962, 4.676,  -1.924, 0.186,  -0.040, -2.836, -0.491, -4.110, 5.080};
 
 constexpr double kMostVariance = 1e6;
 // The noise is read off the scans with their corners; how far partners really lie apart (mean_cost) says how much less
