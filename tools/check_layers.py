@@ -41,7 +41,7 @@ eval         core scan match fft_icp methods odometry slam localize sim config o
 # Around the core: tests of any folder may use these to make and read their inputs.
 TOOLS = {"io", "sim", "config", "output", "eval"}
 # What stands on top of all and is included by nothing but itself.
-TOP = ["apps", "bench", "bindings", "fuzz", "tests/apps", "tests/interop", "tests/simd", "tests/slow", "tests/slow_io", "tests/package",
+TOP = ["apps", "bench", "bindings", "fuzz", "tests/apps", "tests/interop", "tests/simd", "tests/ros2_shell", "tests/slow", "tests/slow_io", "tests/package",
        "tests/support"]
 INCLUDE = re.compile(r'#\s*include "([^"]+)"')
 
