@@ -57,7 +57,8 @@ struct LiveUpdate {
   std::vector<LiveLoop> loops;                          ///< that entered or left with this scan
   std::vector<std::string> warnings;                    ///< what was odd about this scan, for people
   bool restarted = false;                               ///< all began anew with this scan
-  bool on_map = true;  ///< false: of a drive that nothing ties to the map yet; its pose is what a person told, or a guess
+  bool on_map =
+      true;  ///< false: of a drive that nothing ties to the map yet; its pose is what a person told, or a guess
 };
 
 /// What makes poses of scans: SLAM, or a search on a map that is known. One thread uses it.
