@@ -73,6 +73,7 @@ void add_emulate_command(CLI::App& app, CommandBody& body) {
   seconds("--stall-for", faults.stall_s, "and for so long");
   seconds("--unplug-at", faults.unplug_at_s, "the port is gone from then on");
   seconds("--replug-after", faults.replug_s, "and for so long");
+  seconds("--fault-every", faults.every_s, "stall and unplugging come again after so long");
   command->add_option("--health", faults.health, "what the sensor says of itself: 0 good, 1 warning, 2 fault")
       ->check(CLI::Range(0, 2));
   add_seed_flag(*command, flags->common);

@@ -9,6 +9,7 @@
 #include "io/file.hpp"
 #include "live/port.hpp"
 #include "live_keeping.hpp"
+#include "live_ros2.hpp"
 #include "live_sources.hpp"
 #include "people.hpp"
 #include "phasescan/io/error.hpp"
@@ -23,7 +24,7 @@ struct LiveFlags {
   LogOptions options;
   KeepingFlags keeping;
   std::string port, replay, sensor, raw;
-  bool demo = false, json = false, list = false;
+  bool demo = false, json = false, list = false, ros2 = false;
 };
 
 std::string json_line(const live::LiveUpdate& live) {
@@ -52,11 +53,12 @@ int print_list() {
   return kDone;
 }
 
-std::unique_ptr<live::LiveSource> source_of(const LiveFlags& flags) {
+std::unique_ptr<live::LiveSource> source_of(const LiveFlags& flags, LiveRos2& ros2) {
   const int sources = (flags.port.empty() ? 0 : 1) + (flags.replay.empty() ? 0 : 1) + (flags.demo ? 1 : 0);
   if (sources != 1) throw std::invalid_argument("live: expected one of --port PORT, --replay LOG, --demo");
   if (flags.demo) return demo_source(flags.common.seed);
   if (!flags.replay.empty()) return replay_source(flags.replay, flags.options);
+  if (LiveRos2::is_topic(flags.port)) return ros2.open(flags.port);
   return live::open_sensor(flags.port, flags.sensor, flags.raw);
 }
 
@@ -106,6 +108,14 @@ BegunRun begin(const LiveFlags& flags, const Config& config) {
   return begun;
 }
 
+/// A map that grows begins where the robot began: no pose on it can be asked for.
+std::function<void(const Pose2&, const Eigen::Matrix3d&)> no_use_for_a_pose(
+    const std::function<void(const std::string&)>& tell) {
+  return [tell](const Pose2&, const Eigen::Matrix3d&) {
+    tell("initialpose: a pose came; a map that is being made has no use for it");
+  };
+}
+
 int run_live_command(const LiveFlags& flags) {
   if (flags.list) return print_list();
   if (!flags.raw.empty() && flags.port.empty())
@@ -113,7 +123,9 @@ int run_live_command(const LiveFlags& flags) {
   LiveOutput output(flags.json);
   const auto tell = [&](const std::string& text) { output.tell(text); };
   BegunRun begun = begin(flags, config_from(flags.common));
-  std::unique_ptr<live::LiveSource> source = source_of(flags);
+  LiveRos2 ros2(flags.ros2 || LiveRos2::is_topic(flags.port));
+  std::unique_ptr<live::LiveSource> source = source_of(flags, ros2);
+  if (flags.ros2) ros2.publish(begun.options.map, no_use_for_a_pose(tell));
   LiveKeeping keeping(flags.keeping, begun.options.slam.autosave_s, tell);
   ThreadExecutor executor;
   Slam slam = begun.saved ? Slam(begun.saved->state, begun.options, Schedule::kLatest, &executor)
@@ -130,6 +142,7 @@ int run_live_command(const LiveFlags& flags) {
         [&](const live::LiveUpdate& update) {
           output.show(update);
           keeping.take(update);
+          ros2.take(update);
         },
         tell, [&](Slam& run) { keeping.between(run); });
   } catch (...) {
@@ -149,7 +162,9 @@ int run_live_command(const LiveFlags& flags) {
 void add_live_command(CLI::App& app, CommandBody& body) {
   auto* command = app.add_subcommand("live", "a sensor plugged in, poses as they come");
   auto flags = std::make_shared<LiveFlags>();
-  command->add_option("--port", flags->port, "auto, a device, tcp:HOST:PORT, udp:HOST:PORT, or a file that --raw wrote")
+  command
+      ->add_option("--port", flags->port,
+                   "auto, a device, tcp:HOST:PORT, udp:HOST:PORT, a file that --raw wrote, or ros2:/TOPIC")
       ->type_name("PORT")
       ->check(not_empty());
   command->add_option("--replay", flags->replay, "a log of any readable format, at its pace")
@@ -163,6 +178,7 @@ void add_live_command(CLI::App& app, CommandBody& body) {
   command->add_option("--raw", flags->raw, "keeps the bytes as they come, with their times")
       ->type_name("FILE")
       ->check(not_empty());
+  command->add_flag("--ros2", flags->ros2, "publishes transforms, pose, map, path and scans to ROS 2 (ROS_DOMAIN_ID)");
   command->add_flag("--list", flags->list, "ports found and sensors known");
   add_keeping_flags(*command, flags->keeping);
   add_log_flags(*command, flags->options);

@@ -44,6 +44,13 @@ if("live" IN_LIST PHASESCAN_BUILT)
   pkg_check_modules(SERIALPORT REQUIRED IMPORTED_TARGET GLOBAL libserialport)
 endif()
 
+# A host without ROS on a network of ROS 2: built where CycloneDDS is found.
+find_package(CycloneDDS 0.10 QUIET)
+option(PHASESCAN_DDS "Build `phasescan live --ros2` (CycloneDDS)" ${CycloneDDS_FOUND})
+if(PHASESCAN_DDS AND NOT CycloneDDS_FOUND)
+  message(FATAL_ERROR "PHASESCAN_DDS is ON and CycloneDDS was not found (Debian: cyclonedds-dev)")
+endif()
+
 # The command's reports and maps.
 if(PHASESCAN_COMPLETE)
   find_package(PNG REQUIRED)

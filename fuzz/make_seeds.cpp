@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "io/ros_encode.hpp"
 #include "live/streams.hpp"
 #include "support/ros_fixture.hpp"
 
@@ -157,6 +158,35 @@ void write_live(const std::string& root) {
   }
 }
 
+std::string frame_of(bool binary, const std::string& bytes) {
+  return std::string(1, binary ? '\1' : '\0') + static_cast<char>(bytes.size() & 255) +
+         static_cast<char>(bytes.size() >> 8) + bytes;
+}
+
+/// What Foxglove and Lichtblick say when they connect, subscribe, and a person drags a pose.
+void write_foxglove(const std::string& root) {
+  using namespace phasescan;
+  const std::string subscribe = R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":4}]})";
+  const auto advertise = [](const std::string& encoding) {
+    return R"({"op":"advertise","channels":[{"id":1,"topic":"/initialpose","encoding":")" + encoding +
+           R"(","schemaName":"geometry_msgs/msg/PoseWithCovarianceStamped"}]})";
+  };
+  ByteWriter cdr;
+  ros::encode(ros::PoseEstimate{{1, "map"}, {1.0, 2.0, 0.5}, Eigen::Matrix3d::Identity()}, cdr);
+  const std::string head("\1\1\0\0\0", 5);
+  const std::string by_cdr = head + std::string(cdr.bytes().begin(), cdr.bytes().end());
+  const std::string by_json = head + R"({"header":{"frame_id":"map"},"pose":{"pose":{"position":{"x":1,"y":2,"z":0},)"
+                                     R"("orientation":{"x":0,"y":0,"z":0,"w":1}},"covariance":[0.25,0,0]}})";
+  write(root + "/foxglove", "subscribe",
+        frame_of(false, subscribe) + frame_of(false, R"({"op":"unsubscribe","subscriptionIds":[0]})"));
+  write(root + "/foxglove", "pose_cdr", frame_of(false, advertise("cdr")) + frame_of(true, by_cdr));
+  write(root + "/foxglove", "pose_json", frame_of(false, advertise("json")) + frame_of(true, by_json));
+  write(root + "/foxglove", "others",
+        frame_of(false, R"({"op":"getParameters","parameterNames":[]})") +
+            frame_of(false, R"({"op":"unadvertise","channelIds":[1]})") + frame_of(true, "\2") +
+            frame_of(false, R"({"op":"fetchAsset","uri":"package://a","requestId":1})"));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -166,4 +196,5 @@ int main(int argc, char** argv) {
   write_messages(root);
   write_match(root);
   write_live(root);
+  write_foxglove(root);
 }

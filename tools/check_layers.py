@@ -28,10 +28,13 @@ io           core scan
 live         core scan match odometry map slam io
 sim          core scan io
 emulate      core scan io live sim
+ros2         core scan map slam odometry io
+dds          core scan map slam odometry io live ros2
 calibrate    core scan io sim
 config       core methods io match fft_icp slam localize
 output       core scan map match methods slam io
 report       core scan match map slam localize output io
+foxglove     core scan io
 eval         core scan match fft_icp methods odometry slam localize sim config output report io
 """
 # Around the core: tests of any folder may use these to make and read their inputs.

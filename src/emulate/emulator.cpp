@@ -57,12 +57,18 @@ class Emulator {
     }
   }
 
+  /// Whether a fault that begins at a time and lasts for a while is there.
+  bool is_now(double on_s, double begins_s, double lasts_s) const {
+    if (begins_s < 0.0 || on_s < begins_s) return false;
+    const double since = on_s - begins_s;
+    return (options_.faults.every_s > 0.0 ? std::fmod(since, options_.faults.every_s) : since) < lasts_s;
+  }
+
   /// Requests in, answers out; the plug.
   void serve_client() {
     const double on_s = began() ? now_s() - start_s_ : 0.0;
     const Faults& faults = options_.faults;
-    const bool away =
-        faults.unplug_at_s >= 0.0 && on_s >= faults.unplug_at_s && on_s < faults.unplug_at_s + faults.replug_s;
+    const bool away = is_now(on_s, faults.unplug_at_s, faults.replug_s);
     if (away && link_) {
       link_.reset();
       device_ = make_device(options_.model, faults.health);  // without power it forgets
@@ -114,7 +120,7 @@ class Emulator {
     if (!link_) return;
     const Faults& faults = options_.faults;
     const double on_s = began() ? now_s() - start_s_ : 0.0;
-    if (faults.stall_at_s >= 0.0 && on_s >= faults.stall_at_s && on_s < faults.stall_at_s + faults.stall_s) return;
+    if (is_now(on_s, faults.stall_at_s, faults.stall_s)) return;
     if (const double rate = bytes_per_second(options_.model); rate > 0.0) {
       line_free_s_ = std::max(line_free_s_, beams ? due_s : now_s()) + static_cast<double>(bytes.size()) / rate;
       if (const double wait = line_free_s_ - now_s(); wait > kShortest_s)

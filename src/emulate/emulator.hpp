@@ -20,6 +20,7 @@ struct Faults {
   double stall_s = 0.0;       ///< .. for so long
   double unplug_at_s = -1.0;  ///< the port is gone from then on ..
   double replug_s = 1.0;      ///< .. for so long
+  double every_s = 0.0;       ///< stall and unplugging come again after so long; 0: once
   int health = 0;             ///< of the sensor's own report: 0 good, 1 warning, 2 fault
 };
 

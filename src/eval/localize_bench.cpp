@@ -8,10 +8,10 @@
 #include "phasescan/core/time.hpp"
 #include "phasescan/slam/slam.hpp"
 #include "sim/drive.hpp"
+#include "sim/pairs_spec.hpp"
 #include "sim/path.hpp"
 #include "sim/placement.hpp"
 #include "sim/ray_caster.hpp"
-#include "sim/pairs_spec.hpp"
 #include "sim/world_file.hpp"
 
 namespace phasescan {
@@ -120,6 +120,13 @@ double clearance_at(const TrinaryMap& map, std::size_t cell, double limit_m) {
   return nearest;
 }
 
+/// Whether the drive has seen that a robot can stand there: rooms that it never looked into are not on the map.
+bool stands_on_map(const TrinaryMap& map, const Pose2& T_map_base) {
+  const Eigen::Vector2d p = map.origin.inverse() * T_map_base.translation() / map.resolution_m;
+  const auto i = static_cast<int>(std::floor(p.x())), k = static_cast<int>(std::floor(p.y()));
+  return i >= 0 && k >= 0 && i < map.width && k < map.height && map.at(i, k) == CellState::kFree;
+}
+
 /// Where a ray leaves the map's free and unknown cells, by small steps; 0 within range.
 float cast_cells(const TrinaryMap& map, const Pose2& T_grid_laser, double angle, double range) {
   const double c = std::cos(T_grid_laser.theta + angle), s = std::sin(T_grid_laser.theta + angle);
@@ -145,13 +152,15 @@ LocalizePlaces simulated_places(const SimulatedPlacesSpec& spec, const std::func
     const sim::RayCaster caster(mapped.world.shape);
     Random random(Random::derive(seed, 3));
     const std::size_t count = spec.poses / spec.worlds.size();
-    for (std::size_t k = 0; k < count; ++k) {
+    for (std::size_t k = 0, tries = 0; k < count && tries < 20 * count; ++tries) {
       const auto pose = sim::draw_pose(mapped.world, caster, spec.clearance_m, random);
       if (!pose) break;
+      if (!stands_on_map(places.map, T_map_world * *pose)) continue;
       LocalizeCase one;
       one.measurement.scan = sim::simulate_scan({&caster, nullptr}, lidar, *pose, random);
       one.T_map_base = T_map_world * *pose;
       places.cases.push_back(std::move(one));
+      ++k;
     }
     places.name += (places.name.empty() ? "" : "+") + name;
     progress();

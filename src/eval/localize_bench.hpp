@@ -33,7 +33,6 @@ struct SimulatedPlacesSpec {
   std::string sensor = "rplidar-a1-real";
   std::size_t poses = 200;
   double clearance_m = 0.3;
-  double moved_share = 0.0;  ///< of scans: taken with loose objects about
   std::uint64_t seed = 1;
 };
 /// @param progress  called after each world

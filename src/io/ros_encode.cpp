@@ -2,34 +2,15 @@
 
 #include <stdexcept>
 
+#include "io/cdr.hpp"
+
 namespace phasescan::ros {
 namespace {
 
-/// Aligns every value to its own size, counted from behind the encapsulation.
-class CdrWriter {
+/// CDR with what ROS messages have in common.
+class CdrWriter : public CdrOutput {
  public:
-  explicit CdrWriter(ByteWriter& out) : out_(out) { out_.put(std::uint32_t{0x00000100}); }
-  template <class T>
-  void put(T value) {
-    align(sizeof(T));
-    out_.put(value);
-  }
-  void text(std::string_view value) {
-    put(static_cast<std::uint32_t>(value.size() + 1));
-    out_.raw(value);
-    out_.put(std::uint8_t{0});
-  }
-  template <class T>
-  void sequence(std::span<const T> values) {
-    put(static_cast<std::uint32_t>(values.size()));
-    if (values.empty()) return;
-    align(sizeof(T));
-    out_.raw(Bytes(reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes()));
-  }
-  void zero_doubles(std::size_t n) {
-    align(sizeof(double));
-    out_.fill(n * sizeof(double));
-  }
+  using CdrOutput::CdrOutput;
   void header(const Header& header) {
     time(header.stamp);
     text(header.frame_id);
@@ -49,13 +30,6 @@ class CdrWriter {
     for (int i = 0; i < 3; ++i) put(pose.translation[i]);
     for (const double value : {pose.rotation.x(), pose.rotation.y(), pose.rotation.z(), pose.rotation.w()}) put(value);
   }
-
- private:
-  void align(std::size_t size) {
-    const std::size_t over = (out_.size() - 4) % size;
-    if (over != 0) out_.fill(size - over);
-  }
-  ByteWriter& out_;
 };
 
 }  // namespace
@@ -126,7 +100,6 @@ void encode(const PoseEstimate& message, ByteWriter& out) {
   cdr.header(message.header);
   cdr.pose(spatial(message.pose));
   // Of (x, y, z, roll, pitch, yaw); height, roll and pitch are exact: they are 0.
-  constexpr int kPlanar[] = {0, 1, 5};
   double full[6][6] = {};
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) full[kPlanar[row]][kPlanar[column]] = message.covariance(row, column);

@@ -1,7 +1,6 @@
 /// ROS messages as CDR, with the definitions a reader needs to understand them.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -32,13 +31,6 @@ struct PathPoint {
 struct Path {
   Header header;
   std::span<const PathPoint> points;
-};
-
-/// geometry_msgs/PoseWithCovarianceStamped.
-struct PoseEstimate {
-  Header header;
-  Pose2 pose;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, theta) in the header's frame
 };
 
 /// std_msgs/String.

@@ -1,11 +1,13 @@
 #include "io/ros_messages.hpp"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
+
+#include "io/cdr.hpp"
+#include "io/ros_tf.hpp"
 
 namespace phasescan::ros {
 namespace {
@@ -37,63 +39,13 @@ class Ros1Wire {
   ByteReader reader_;
 };
 
-/// CDR: 4 bytes say the byte order, then values aligned to their own size (8 only in the first version).
-class CdrWire {
+class CdrWire : public CdrInput {
  public:
-  explicit CdrWire(Bytes data) : reader_(data) {
-    const Bytes head = reader_.bytes(4);
-    const int kind = head[0] << 8 | head[1];
-    if (kind != 0 && kind != 1 && kind != 6 && kind != 7) throw DecodeError("not plain CDR");
-    big_endian_ = (kind & 1) == 0;
-    if (kind >= 6) largest_alignment_ = 4;
-  }
-
-  template <class T>
-  T get() {
-    align(sizeof(T));
-    T value = reader_.get<T>();
-    if (big_endian_) {
-      auto raw = std::bit_cast<std::array<std::uint8_t, sizeof(T)>>(value);
-      std::reverse(raw.begin(), raw.end());
-      value = std::bit_cast<T>(raw);
-    }
-    return value;
-  }
-  std::string_view text() {
-    const auto n = get<std::uint32_t>();
-    std::string_view value = reader_.text(n);
-    if (!value.empty() && value.back() == '\0') value.remove_suffix(1);
-    return value;
-  }
-  void floats(std::vector<float>& out) {
-    const auto n = get<std::uint32_t>();
-    const Bytes raw = reader_.bytes(std::uint64_t{n} * sizeof(float));
-    out.resize(n);
-    if (n > 0) std::memcpy(out.data(), raw.data(), raw.size());
-    if (!big_endian_) return;
-    for (float& value : out) {
-      const auto bits = std::bit_cast<std::uint32_t>(value);
-      value = std::bit_cast<float>(__builtin_bswap32(bits));
-    }
-  }
+  using CdrInput::CdrInput;
+  void floats(std::vector<float>& out) { sequence(out); }
   void begin_header() {}
   Stamp seconds() { return get<std::int32_t>(); }
-  void skip_doubles(int n) {
-    align(sizeof(double));
-    reader_.bytes(static_cast<std::uint64_t>(n) * sizeof(double));
-  }
   void finish() const {}  // writers pad the end as they like
-
- private:
-  void align(std::size_t size) {
-    const std::size_t to = std::min(size, largest_alignment_);
-    const std::size_t over = (reader_.position() - 4) % to;
-    if (over != 0) reader_.bytes(to - over);
-  }
-
-  ByteReader reader_;
-  bool big_endian_ = false;
-  std::size_t largest_alignment_ = 8;
 };
 
 template <class W>
@@ -182,6 +134,18 @@ void read(W wire, std::vector<Transform>& out) {
   wire.finish();
 }
 
+template <class W>
+void read(W wire, PoseEstimate& out) {
+  read_header(wire, out.header);
+  out.pose = planar(read_pose(wire));
+  double full[36];
+  for (double& value : full) value = wire.template get<double>();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) out.covariance(row, column) = full[kPlanar[row] * 6 + kPlanar[column]];
+  }
+  wire.finish();
+}
+
 template <class T>
 void decode_any(Wire wire, Bytes data, T& out) {
   if (wire == Wire::kRos1) {
@@ -209,6 +173,10 @@ void decode(Wire wire, Bytes data, Odometry& out) {
   decode_any(wire, data, out);
 }
 void decode(Wire wire, Bytes data, std::vector<Transform>& out) {
+  decode_any(wire, data, out);
+}
+
+void decode(Wire wire, Bytes data, PoseEstimate& out) {
   decode_any(wire, data, out);
 }
 

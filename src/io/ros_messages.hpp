@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "io/bytes.hpp"
+#include "phasescan/core/pose2.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/scan/scan.hpp"
 
@@ -56,6 +57,15 @@ struct Transform {
   Pose3 pose;
 };
 
+/// geometry_msgs/PoseWithCovarianceStamped of what moves in a plane.
+struct PoseEstimate {
+  Header header;
+  Pose2 pose;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of (x, y, theta) in the header's frame
+};
+/// Where x, y and theta stand among (x, y, z, roll, pitch, yaw), of which the message has a covariance.
+inline constexpr int kPlanar[] = {0, 1, 5};
+
 /// @name Decoders. `out` keeps its buffers between calls.
 /// @throws DecodeError where the bytes do not hold the message they should, or a pose is not finite.
 /// @{
@@ -64,6 +74,8 @@ void decode(Wire wire, Bytes data, LaserScan& out);
 void decode_multi_echo(Wire wire, Bytes data, LaserScan& out);
 void decode(Wire wire, Bytes data, Odometry& out);
 void decode(Wire wire, Bytes data, std::vector<Transform>& out);
+/// Height, roll and pitch are left out.
+void decode(Wire wire, Bytes data, PoseEstimate& out);
 /// @}
 
 /// What a message's numbers are in.

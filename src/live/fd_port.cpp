@@ -33,7 +33,7 @@ std::size_t FdPort::read(std::span<std::uint8_t> out, int wait_ms) {
   if (ready < 0 && errno == EINTR) return 0;
   if (ready == 0) return 0;
   const ssize_t n = ::read(fd_, out.data(), out.size());
-  if (n > 0) return static_cast<std::size_t>(n);
+  if (n > 0 || (n == 0 && datagrams_)) return static_cast<std::size_t>(n);
   if (n < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
   throw PortGone{n == 0 ? "it was closed at the other end" : std::strerror(errno)};
 }
@@ -60,7 +60,7 @@ std::unique_ptr<Port> open_network(const std::string& host, int port, bool udp) 
   for (const addrinfo* at = found; at != nullptr; at = at->ai_next) {
     const int fd = ::socket(at->ai_family, at->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, at->ai_protocol);
     if (fd < 0) continue;
-    auto opened = std::make_unique<FdPort>(fd);
+    auto opened = std::make_unique<FdPort>(fd, udp);
     if (::connect(fd, at->ai_addr, at->ai_addrlen) != 0 && errno != EINPROGRESS) {
       error = errno;
       continue;

@@ -7,7 +7,8 @@ namespace phasescan::live {
 
 class FdPort : public Port {
  public:
-  explicit FdPort(int fd) : fd_(fd) {}
+  /// @param datagrams  an empty read is an empty datagram, not the other end's good-bye
+  explicit FdPort(int fd, bool datagrams = false) : fd_(fd), datagrams_(datagrams) {}
   ~FdPort() override;
   FdPort(const FdPort&) = delete;
   FdPort& operator=(const FdPort&) = delete;
@@ -16,6 +17,9 @@ class FdPort : public Port {
 
  protected:
   int fd_ = -1;
+
+ private:
+  bool datagrams_ = false;
 };
 
 }  // namespace phasescan::live

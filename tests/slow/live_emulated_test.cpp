@@ -113,6 +113,40 @@ TEST(Emulated, UnpluggedItGoesOnWhenItIsBack) {
   EXPECT_GT(last - first, 4.5);
 }
 
+TEST(Emulated, StallsThatComeAgainCostNoMoreThanTheirTime) {
+  const LiveRun got =
+      run("ld06", 9, {"--stall-at", "2", "--stall-for", "1", "--fault-every", "3"}, {"--sensor", "ld06"});
+  int stalls = 0;
+  for (std::size_t i = 1; i < got.lines.size(); ++i) {
+    const double gap = double{got.lines[i]["stamp"]} - double{got.lines[i - 1]["stamp"]};
+    stalls += gap > 0.9 ? 1 : 0;
+    EXPECT_LT(gap, 3.0);
+  }
+  EXPECT_EQ(stalls, 3);
+  EXPECT_LT(rms_error(got), 0.03);
+}
+
+TEST(Emulated, RecordedBytesGiveTheSameScansAtTheirPace) {
+  const TempFolder folder;
+  const std::string raw = folder / "ld06.raw";
+  const LiveRun got = run("ld06", 4, {}, {"--sensor", "ld06", "--raw", raw});
+  ASSERT_GT(got.lines.size(), 25U);
+  const auto begin = std::chrono::steady_clock::now();
+  const CommandResult again = run_command({"live", "--port", raw, "--json"});
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  EXPECT_EQ(again.code, 0) << again.err;
+  std::vector<json> lines;
+  std::istringstream text(again.out);
+  for (std::string line; std::getline(text, line);) lines.push_back(json::parse(line));
+  EXPECT_EQ(lines.size(), got.lines.size());
+  const double lasted = double{got.lines.back()["stamp"]} - double{got.lines.front()["stamp"]};
+  EXPECT_GT(took.count(), lasted);
+  EXPECT_LT(took.count(), lasted + 3.0);
+  // Same bytes at the same pace: the way is the same, though a match may have come at another moment.
+  for (std::size_t i = 0; i < std::min(lines.size(), got.lines.size()); ++i)
+    EXPECT_NEAR(double{lines[i]["pose"]["x"]}, double{got.lines[i]["pose"]["x"]}, 0.03);
+}
+
 TEST(Emulated, DamagedBytesCostScansNotPoses) {
   const LiveRun got = run("ld06", 6, {"--corrupt", "0.001", "--drop", "0.0005"}, {"--sensor", "ld06"});
   EXPECT_GT(got.lines.size(), 40U) << got.live.err;

@@ -1,0 +1,33 @@
+// `live` on a network of ROS 2: --port ros2:/TOPIC and --ros2. Without CycloneDDS each says that it is not built in.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "phasescan/live/live.hpp"
+
+namespace phasescan::app {
+
+class LiveRos2 {
+ public:
+  /// Whether a port is a topic of ROS 2.
+  static bool is_topic(const std::string& port) { return port.starts_with("ros2:"); }
+
+  /// @param wanted  whether anything of ROS 2 is asked for; else nothing is opened
+  /// @throws std::invalid_argument for variables of ROS 2 that are wrong, or where this build has no DDS; SystemError
+  explicit LiveRos2(bool wanted);
+  ~LiveRos2();
+
+  /// @throws std::invalid_argument for a name that is no topic
+  std::unique_ptr<live::LiveSource> open(const std::string& port);
+  /// From now on `take` publishes. @param set_pose  what becomes of a pose on initialpose
+  void publish(const OccupancyOptions& map, std::function<void(const Pose2&, const Eigen::Matrix3d&)> set_pose);
+  void take(const live::LiveUpdate& update);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace phasescan::app
