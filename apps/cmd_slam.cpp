@@ -72,6 +72,25 @@ void note_end(double cpu, double wall, SlamRun& run) {
   }
 }
 
+/// What the logs say of frames and clocks: no verdict of the map alone knows of it.
+void add_frame_reasons(const std::vector<OpenLog>& logs, SlamResult& result) {
+  for (const OpenLog& log : logs) {
+    for (const LogRemark& remark : log.reader->remarks()) {
+      if (remark.kind == "several frames" || remark.kind == "tilted laser" ||
+          remark.kind == "odometry of another clock")
+        result.findings.push_back({"frames", 1, 0, remark.text, -1});
+    }
+  }
+}
+
+/// The verdict where it is not good, in one line with its strongest reason. @return the exit code
+int report_verdict(const SlamResult& result, const SlamRun& run, int code) {
+  const Verdict verdict = result.verdict.verdict;
+  if (verdict == Verdict::kGood) return code;
+  warn(run.log + ": " + verdict_text(result));
+  return verdict == Verdict::kFailed ? kAnswerIsNo : code;
+}
+
 /// Warnings of a finished run, and its exit code.
 int report_run(const std::vector<OpenLog>& logs, const SlamResult& result, const SlamFlags& flags, const SlamRun& run) {
   const bool damaged = warn_of_result(result, run, flags.out);
@@ -80,7 +99,7 @@ int report_run(const std::vector<OpenLog>& logs, const SlamResult& result, const
     report_remarks(*log.reader, log.name);
     code = report_damages(*log.reader, code);
   }
-  if (!result.keyframes.empty()) return code;
+  if (!result.keyframes.empty()) return report_verdict(result, run, code);
   std::fprintf(stderr, "phasescan: %s: not one scan with enough returns to match\n", run.log.c_str());
   return kAnswerIsNo;
 }
@@ -134,7 +153,8 @@ int finish(Slam& slam, const std::vector<OpenLog>& logs, const SlamFlags& flags,
            double wall, SlamRun& run) {
   note_odometry(flags, slam.options(), run);
   if (!run.complete) warn("stopped after " + std::to_string(slam.scans()) + " scans; the results are of these");
-  const SlamResult result = slam.finish();
+  SlamResult result = slam.finish();
+  add_frame_reasons(logs, result);
   if (run.complete && InterruptGuard::interrupted())
     warn("asked to stop after the last scan; the results are of the whole log");
   note_end(cpu, wall, run);
@@ -214,6 +234,7 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
   add_log_flags(*command, flags->options);
   add_to_flag(*command, flags->options);
   add_config_flag(*command, flags->common);
+  add_sensor_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);
   command->callback([flags, &body] { body = [flags] { return run_slam(*flags); }; });

@@ -76,7 +76,7 @@ std::vector<EndingLine> slam_ending(const SlamResult& result, const SlamRun& run
       {"way", way},
       {"loops", fmt::format("{}{}", result.loops.accepted, rejected > 0 ? fmt::format(", {} rejected", rejected) : "")},
       {"map", map_text(result.map)},
-      // A verdict with its strongest reason would be one more line here.
+      {"verdict", verdict_text(result)},
       {"open", (std::filesystem::path(folder) / "report.html").string()},
   };
 }

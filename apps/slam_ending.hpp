@@ -13,7 +13,7 @@ namespace phasescan::app {
 /// @return whether some of it is damage
 bool warn_of_result(const SlamResult& result, const SlamRun& run, const std::string& folder);
 
-/// Scans, way, loops, size of the map, and what to open.
+/// Scans, way, loops, size of the map, the verdict with its strongest reason, and what to open.
 std::vector<EndingLine> slam_ending(const SlamResult& result, const SlamRun& run, const std::string& folder);
 
 }  // namespace phasescan::app

@@ -100,6 +100,9 @@ FileSet slam_output(const std::string& folder, const SlamResult& result, const S
 /// What an earlier run left in more of such folders goes. @throws SystemError
 void write_parts(const std::string& folder, const SlamResult& result, const SlamRun& run);
 
+/// "doubtful: kind: what": the verdict with its strongest reason, where it has one.
+std::string verdict_text(const SlamResult& result);
+
 /// Length of a way [m].
 double path_length(const std::vector<Pose2>& poses);
 /// That of all drives; from one to the next nobody drove.

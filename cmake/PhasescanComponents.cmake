@@ -1,11 +1,12 @@
 # The libraries, and which of the others each stands on.
-set(PHASESCAN_ALL_COMPONENTS match fft_icp slam io live)
+set(PHASESCAN_ALL_COMPONENTS match fft_icp slam localize io live)
 set(PHASESCAN_NEEDS_fft_icp match)
 set(PHASESCAN_NEEDS_slam match)
+set(PHASESCAN_NEEDS_localize match slam)
 set(PHASESCAN_NEEDS_io match)
 set(PHASESCAN_NEEDS_live match slam io)
 
-set(PHASESCAN_COMPONENTS "match;fft_icp;slam;io;live" CACHE STRING "Libraries to build: match, fft_icp, slam, io, live; what they stand on comes along")
+set(PHASESCAN_COMPONENTS "match;fft_icp;slam;localize;io;live" CACHE STRING "Libraries to build: match, fft_icp, slam, localize, io, live; what they stand on comes along")
 set(wanted "")
 foreach(component IN LISTS PHASESCAN_COMPONENTS)
   if(NOT component IN_LIST PHASESCAN_ALL_COMPONENTS)

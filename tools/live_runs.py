@@ -52,7 +52,7 @@ def drive(command, sensor, seconds, faults, more=()):
                                      "--truth", truth, *map(str, faults)], stdout=subprocess.PIPE, text=True)
         port = emulator.stdout.readline().strip()
         with open(folder / "lines", "wb") as out, open(folder / "said", "wb") as said:
-            live = subprocess.Popen([command, "live", "--port", port, "--sensor", sensor, "--json", *more], stdout=out, stderr=said)
+            live = subprocess.Popen([command, "live", "--port", port, "--sensor", sensor, "--json", "--serve", "off", *more], stdout=out, stderr=said)
             emulator.wait()
             live.send_signal(signal.SIGINT)
             code = live.wait()

@@ -92,6 +92,7 @@ class Backend {
   const std::vector<Keyframe>& keyframes() const { return session_.keyframes(); }
   const std::vector<Pose2>& poses() const { return session_.poses(); }
   const PoseGraph& graph() const { return session_.graph(); }
+  const GraphSession& session() const { return session_; }
   LoopCounts loop_counts() const;
   /// What of the graph hangs together.
   MapPieces pieces() const { return connectivity_.pieces(); }

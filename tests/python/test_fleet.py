@@ -87,7 +87,7 @@ def test_alike_views_are_those_of_a_slow_search(tmp_path):
 
 
 def test_cells_lose_few_neighbours(tmp_path, monkeypatch):
-    numbers, turning = descriptors(np.random.default_rng(4), 6000)
+    numbers, turning = descriptors(np.random.default_rng(4), 6000, 0.6)
     first = np.arange(0, 6001, 5, dtype=np.int64)
     found = {}
     for limit in (20000, 1000):
@@ -131,6 +131,12 @@ def test_a_tie_needs_three_views_half_a_metre_apart():
     other = [(x, y, t) if k < 1 else (x, y + 1.0, t) for k, (x, y, t) in enumerate(way)]
     bent = {"poses": np.array(other), "ranges": views(way)["ranges"]}
     assert ties.tie_of(0, 1, views(way), bent, [(0, 0)]) is None
+    # Three agree, but four that must see the same see something else: a place that only looks alike.
+    long = [(0.6 * k - 1.6, 0.2 * (k % 2), 0.3 * k) for k in range(7)]
+    strange = views(long)
+    strange["ranges"][3:] = 1.5 + 0.5 * np.sin(np.arange(360) / 9)
+    assert ties.tie_of(0, 1, views(long), views(long), [(0, 0), (2, 2)]) is not None
+    assert ties.tie_of(0, 1, views(long), strange, [(0, 0), (2, 2)]) is None
 
 
 def test_rows_say_how_a_log_failed():
