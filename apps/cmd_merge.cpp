@@ -1,4 +1,5 @@
 // phasescan merge STATE... --out DIR --save STATE: saved runs become one map.
+#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -73,7 +74,9 @@ int run_merge(const MergeFlags& flags) {
   files.commit();
   warn_of_result(result, run, flags.out);
   print_ending(slam_ending(result, run, flags.out));
-  return kDone;
+  if (!result.keyframes.empty()) return report_verdict(result, run, kDone);
+  std::fprintf(stderr, "phasescan: %s: not one scan with enough returns to match\n", flags.states.front().c_str());
+  return kAnswerIsNo;
 }
 
 }  // namespace

@@ -83,14 +83,6 @@ void add_frame_reasons(const std::vector<OpenLog>& logs, SlamResult& result) {
   }
 }
 
-/// The verdict where it is not good, in one line with its strongest reason. @return the exit code
-int report_verdict(const SlamResult& result, const SlamRun& run, int code) {
-  const Verdict verdict = result.verdict.verdict;
-  if (verdict == Verdict::kGood) return code;
-  warn(run.log + ": " + verdict_text(result));
-  return verdict == Verdict::kFailed ? kAnswerIsNo : code;
-}
-
 /// Warnings of a finished run, and its exit code.
 int report_run(const std::vector<OpenLog>& logs, const SlamResult& result, const SlamFlags& flags, const SlamRun& run) {
   const bool damaged = warn_of_result(result, run, flags.out);

@@ -1,15 +1,12 @@
 #include "live_saver.hpp"
 
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-
 #include <array>
 #include <ctime>
 #include <filesystem>
 #include <stdexcept>
 
 #include "io/file.hpp"
+#include "live/priority.hpp"
 #include "output/map_file.hpp"
 
 namespace phasescan::app {
@@ -35,7 +32,7 @@ void LiveSaver::save(const std::string& name, const serve::CommandDone& done) {
     const SlamState state = slam_.checkpoint();
     if (worker_.joinable()) worker_.join();
     worker_ = std::thread([this, state, options = slam_.options(), file, done] {
-      ::setpriority(PRIO_PROCESS, static_cast<id_t>(::syscall(SYS_gettid)), 10);  // tracking comes first
+      live::be_nicer(10);  // tracking comes first
       std::string failure;
       try {
         write({state, options}, file);

@@ -64,12 +64,12 @@ SlamRun merge_runs(const std::vector<std::string>& paths, const std::vector<Load
 }
 
 void refuse_same_drive(const std::vector<std::string>& paths, const std::vector<LoadedRun>& loaded) {
-  std::map<std::pair<std::uint64_t, std::int64_t>, std::size_t> known;
+  std::map<std::uint64_t, std::size_t> known;  // by its first scan: a run may have been saved twice on its way
   for (std::size_t i = 0; i < loaded.size(); ++i) {
     for (const SlamInput& input : loaded[i].run.inputs) {
       if (input.first_print == 0) continue;  // saved by another program: it is not known
-      const auto [at, is_new] = known.emplace(std::pair{input.first_print, input.scans}, i);
-      if (is_new) continue;
+      const auto at = known.emplace(input.first_print, i).first;
+      if (at->second == i) continue;
       throw InputError(paths[i], 0,
                        "holds the drive " + quote_text(std::filesystem::path(input.log).filename().string()) +
                            " that " + paths[at->second] + " holds too; expected different drives");

@@ -66,6 +66,13 @@ bool warn_of_result(const SlamResult& result, const SlamRun& run, const std::str
   return damaged;
 }
 
+int report_verdict(const SlamResult& result, const SlamRun& run, int code) {
+  const Verdict verdict = result.verdict.verdict;
+  if (verdict == Verdict::kGood) return code;
+  warn(run.log + ": " + verdict_text(result));
+  return verdict == Verdict::kFailed ? kAnswerIsNo : code;
+}
+
 std::vector<EndingLine> slam_ending(const SlamResult& result, const SlamRun& run, const std::string& folder) {
   const std::size_t rejected = result.loops.rejected();
   std::string way = metres_text(path_length(result));

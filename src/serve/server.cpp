@@ -1,24 +1,18 @@
 #include "serve/server.hpp"
 
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <thread>
 #include <utility>
 
+#include "live/priority.hpp"
 #include "phasescan/io/error.hpp"
 #include "serve/connections.hpp"
 
 namespace phasescan::serve {
 namespace {
 
-/// Who watches waits for who tracks, where there are too few cores for both.
-void lower_priority_of_this_thread() {
-  ::setpriority(PRIO_PROCESS, static_cast<id_t>(::syscall(SYS_gettid)), 10);
-}
+constexpr int kNicer = 5;  // a third of the time of who tracks, where both want a core
 
 asio::ip::address address_of(const std::string& text) {
   if (text == "localhost") return asio::ip::make_address("127.0.0.1");
@@ -55,7 +49,7 @@ struct Server::Impl {
     accept();
     tick();
     thread = std::thread([this] {
-      lower_priority_of_this_thread();
+      live::be_nicer(kNicer);
       context.run();
     });
   }

@@ -8,7 +8,7 @@
 
 #include "bind.hpp"
 #include "options.hpp"
-#include "phasescan/localize/localize.hpp"
+#include "phasescan/localize/localizer.hpp"
 #include "phasescan/slam/state.hpp"
 #include "slam.hpp"
 #include "tracking.hpp"
