@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -35,7 +36,8 @@ std::string log_of(const std::vector<testing::Wall>& walls, std::size_t from, st
     const double time = start_s + period_s * static_cast<double>(i - from);
     const Scan scan = testing::toy_scan(walls, tour[i], lidar, random, stamp_from_seconds(time));
     std::string ranges;
-    for (const float r : scan.ranges) ranges += fmt::format("{}{:.3f}", ranges.empty() ? "" : ",", r);
+    for (const float r : scan.ranges)
+      ranges += (ranges.empty() ? "" : ",") + (std::isfinite(r) ? fmt::format("{:.3f}", r) : std::string("null"));
     text += fmt::format(
         R"({{"stamp": {:.3f}, "angle_min": {:.8f}, "angle_increment": {:.8f}, "range_max": 8.0, "ranges": [{}], )"
         R"("odometry": {{"x": {:.4f}, "y": {:.4f}, "theta": {:.5f}}}}})"

@@ -55,7 +55,7 @@ TEST(StateContainer, SectionsComeBack) {
 
 TEST(StateContainer, CutOffAnywhereOrFollowedByMoreItIsRefused) {
   const std::string bytes = pack_state(some_sections());
-  for (std::size_t n = 0; n < bytes.size(); ++n) {
+  for (std::size_t n = 0; n < bytes.size(); n += n < 300 ? 1 : 61) {
     const std::string why = refusal_of(bytes.substr(0, n));
     EXPECT_FALSE(why.empty()) << n;
     if (n == 0) continue;
@@ -68,7 +68,7 @@ TEST(StateContainer, CutOffAnywhereOrFollowedByMoreItIsRefused) {
 
 TEST(StateContainer, EveryByteIsUnderAChecksum) {
   const std::string bytes = pack_state(some_sections());
-  for (std::size_t at = 0; at < bytes.size(); ++at) {
+  for (std::size_t at = 0; at < bytes.size(); at += at < 300 ? 1 : 61) {
     std::string flipped = bytes;
     flipped[at] = static_cast<char>(flipped[at] ^ 0x04);
     EXPECT_NE(refusal_of(flipped), "") << at;
