@@ -23,6 +23,7 @@ odometry     core state scan match refine
 graph        core
 map          core scan
 slam         core state scan match odometry graph map
+localize     core scan match odometry map slam
 io           core scan
 live         core scan match odometry map slam io
 sim          core scan io
@@ -30,11 +31,12 @@ emulate      core scan io live sim
 ros2         core scan map slam odometry io
 dds          core scan map slam odometry io live ros2
 calibrate    core scan io sim
-config       core methods io match fft_icp slam
+config       core methods io match fft_icp slam localize
 output       core scan map match methods slam io
-report       core scan match map slam output io
-foxglove     core scan io
-eval         core scan match fft_icp methods odometry slam sim config output report io
+report       core scan match map slam localize output io
+serve        core scan map odometry slam localize io live output
+foxglove     core scan map slam localize io live serve
+eval         core scan match fft_icp methods odometry slam localize sim config output report io
 """
 # Around the core: tests of any folder may use these to make and read their inputs.
 TOOLS = {"io", "sim", "config", "output", "eval"}

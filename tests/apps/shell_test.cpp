@@ -84,7 +84,7 @@ TEST(ManPages, GroffHasNothingToSayAgainstThem) {
   if (!installed("groff")) GTEST_SKIP() << "no groff";
   const TempFolder folder;
   for (const char* command :
-       {"", "match", "slam", "info", "convert", "eval", "simulate", "calibrate", "bench", "paper", "config"}) {
+       {"", "match", "slam", "merge", "info", "convert", "eval", "simulate", "calibrate", "bench", "paper", "config"}) {
     std::vector<std::string> words{"man"};
     if (*command != '\0') words.push_back(command);
     const auto page = run_command(words);
@@ -103,7 +103,7 @@ TEST(ManPages, GroffHasNothingToSayAgainstThem) {
 
 TEST(Help, EveryCommandHasAnExample) {
   for (const char* command :
-       {"match", "slam", "info", "convert", "eval", "simulate", "calibrate", "bench", "paper", "config"}) {
+       {"match", "slam", "merge", "info", "convert", "eval", "simulate", "calibrate", "bench", "paper", "config"}) {
     const auto help = run_command({command, "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.out, HasSubstr(std::string("Example:\n  phasescan ") + command)) << command;

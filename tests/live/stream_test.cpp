@@ -115,6 +115,26 @@ TEST_P(Streams, NoBeamOfAPacketWithAWrongBit) {
   }
 }
 
+TEST_P(Streams, WithoutACheckAWrongBitIsAWrongBeamAtMost) {
+  const Form form = GetParam();
+  if (form.checked) GTEST_SKIP() << "its packets carry a check";
+  const auto right = joined(form, packets_of(form, 3));
+  const auto clean = decoder_of(form.sensor);
+  const std::set<Seen> expected = all_seen(decode(*clean, right));
+  const std::size_t from = opening(form).size();
+  std::mt19937 random(17);
+  std::size_t wrong = 0;
+  constexpr std::size_t kTrials = 400;
+  for (std::size_t trial = 0; trial < kTrials; ++trial) {
+    auto bytes = right;
+    bytes[from + random() % (bytes.size() - from)] ^= static_cast<std::uint8_t>(1U << random() % 8);
+    const auto decoder = decoder_of(form.sensor);
+    for (const Beam& beam : decode(*decoder, bytes).beams)
+      wrong += beam.state == BeamState::kHit && !expected.contains(seen(beam));
+  }
+  EXPECT_LE(wrong, kTrials);  // one byte was hit in each
+}
+
 TEST_P(Streams, LostBytesCostTheirPacketsAlone) {
   const Form form = GetParam();
   const auto packets = packets_of(form, 3);
