@@ -3,9 +3,8 @@
 
     phasescan bench --sim bench-honesty --count 30000 --seed 7 --method global --out out/fit --features out/fit/sim.csv
     phasescan bench --sim bench-doubt --count 12000 --method global --out out/fit --features out/fit/doubt.csv
-    phasescan bench --sim bench-real --count 16000 --method global --out out/fit --features out/fit/as-they-are.csv
     phasescan bench --pairs PAIRS... --method global --out out/fit --features out/fit/real.csv
-    tools/fit_confidence.py --sim out/fit/sim.csv out/fit/doubt.csv out/fit/as-they-are.csv --real out/fit/real.csv
+    tools/fit_confidence.py --sim out/fit/sim.csv out/fit/doubt.csv --real out/fit/real.csv
 
 The constants are fitted on simulated pairs alone: every recorded file is one left out. Prints, as Markdown, recorded files
 judged by them (a line is a file), each half of the simulated pairs judged by constants fitted on the other (a line is a data

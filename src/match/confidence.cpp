@@ -56,9 +56,9 @@ constexpr std::array<std::pair<SeenFeature, SeenFeature>, ConfidenceFeatures::kP
 }};
 
 constexpr std::array<double, ConfidenceFeatures::kCount> kCoefficients{
-    -2.947, 4.167,  1.270,  -0.062, -3.138, -0.752, -8.502, 1.858,  3.740,  12.139, 0.625,
-    8.073,  -9.859, -4.834, -0.751, -0.324, 0.177,  0.123,  -0.029, 1.214,  -0.005, -2.475,
-    -2.190, -0.308, -2.962, 4.676,  -1.924, 0.186,  -0.040, -2.836, -0.491, -4.110, 5.080};
+    -1.982, 3.812,  1.371,  -0.039, -3.526, -1.223, -7.128, 2.333,  5.261,  10.554, -1.865,
+    7.597,  -9.155, -3.523, -0.683, -0.075, 0.204,  0.117,  -0.021, 1.295,  0.001,  -2.732,
+    -2.657, -0.334, -7.762, 1.380,  -1.771, 0.150,  0.127,  -3.455, -0.648, -4.577, 5.351};
 
 constexpr double kMostVariance = 1e6;
 // The noise is read off the scans with their corners; how far partners really lie apart (mean_cost) says how much less
@@ -106,6 +106,24 @@ Eigen::Matrix3d as_seen(const SearchOutcome& outcome, const Eigen::Matrix3d& fro
   return out;
 }
 
+// Where other poses tie: as wide as they lie apart.
+Eigen::Matrix3d with_alternatives(const SearchOutcome& outcome, Eigen::Matrix3d covariance) {
+  if (ties(outcome) && !may_slide(outcome)) {
+    const Pose2& best = outcome.hypotheses.front().T_ref_scan;
+    Eigen::Matrix3d apart = Eigen::Matrix3d::Zero();
+    double sum = 1.0;
+    for (std::size_t k = 1; k < outcome.hypotheses.size(); ++k) {
+      const Pose2& other = outcome.hypotheses[k].T_ref_scan;
+      const Eigen::Vector3d off(other.x - best.x, other.y - best.y, wrap_angle(other.theta - best.theta));
+      const double weight = weight_beside_best(outcome, k);
+      apart += weight * off * off.transpose();
+      sum += weight;
+    }
+    covariance += apart / sum;
+  }
+  return covariance.selfadjointView<Eigen::Lower>();  // symmetric to the last bit
+}
+
 }  // namespace
 
 double weakest_sigma(const Eigen::Matrix3d& information) {
@@ -128,29 +146,18 @@ bool is_ambiguous(const SearchOutcome& outcome) {
   return ties(outcome) || may_slide(outcome);
 }
 
-Eigen::Matrix3d covariance_of(const SearchOutcome& outcome) {
+Eigen::Matrix3d noise_covariance_of(const SearchOutcome& outcome) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(outcome.refined.information);
   Eigen::Vector3d variances = (kInflation * std::max(outcome.refined.mean_cost, kLeastCost) *
                                eigen.eigenvalues().cwiseMax(1.0 / kMostVariance).cwiseInverse())
                                   .cwiseMin(kMostVariance);
   // What then seems to hold the pose is noise of the normals.
   if (may_slide(outcome)) variances(0) = kSlideVariance;
-  Eigen::Matrix3d covariance =
-      as_seen(outcome, eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose());
-  if (ties(outcome) && !may_slide(outcome)) {
-    const Pose2& best = outcome.hypotheses.front().T_ref_scan;
-    Eigen::Matrix3d apart = Eigen::Matrix3d::Zero();
-    double sum = 1.0;
-    for (std::size_t k = 1; k < outcome.hypotheses.size(); ++k) {
-      const Pose2& other = outcome.hypotheses[k].T_ref_scan;
-      const Eigen::Vector3d off(other.x - best.x, other.y - best.y, wrap_angle(other.theta - best.theta));
-      const double weight = weight_beside_best(outcome, k);
-      apart += weight * off * off.transpose();
-      sum += weight;
-    }
-    covariance += apart / sum;
-  }
-  return covariance.selfadjointView<Eigen::Lower>();  // symmetric to the last bit
+  return with_alternatives(outcome, eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose());
+}
+
+Eigen::Matrix3d covariance_of(const SearchOutcome& outcome, const Eigen::Matrix3d& noise_covariance) {
+  return as_seen(outcome, noise_covariance).selfadjointView<Eigen::Lower>();
 }
 
 std::vector<std::string> confidence_feature_names() {

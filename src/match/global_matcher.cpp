@@ -23,7 +23,8 @@ void judge(const SearchOutcome& outcome, double min_confidence, MatchResult& res
   result.diagnostics.iterations = outcome.refined.iterations;
   result.diagnostics.violation = outcome.evidence.violation / hits;
   result.overlap = std::clamp(outcome.evidence.matched / hits, 0.0, 1.0);
-  result.covariance = covariance_of(outcome);
+  result.diagnostics.noise_covariance = noise_covariance_of(outcome);
+  result.covariance = covariance_of(outcome, result.diagnostics.noise_covariance);
   const ConfidenceFeatures features = confidence_features(outcome);
   result.diagnostics.features.assign(features.value.begin(), features.value.end());
   const double confidence = confidence_of(features);

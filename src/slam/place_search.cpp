@@ -87,7 +87,7 @@ struct PlaceSearch::Impl {
       visits.push_back(other);
       ++state.matched;
       const MatchResult match = matcher.match(view_at(keyframes, poses, other, kViewNodes), view);
-      if (is_same_place(match) && most_sigma(match.covariance) < kMostSigmaM)
+      if (is_same_place(match) && most_sigma(match.diagnostics.noise_covariance) < kMostSigmaM)
         found.push_back({other, match.T_ref_scan});
     }
     return found;
