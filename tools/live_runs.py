@@ -84,7 +84,7 @@ def recorded_to(command, mcap, otherwise):
     with tempfile.TemporaryDirectory() as folder:
         log = pathlib.Path(folder) / "scans.jsonl"
         done = subprocess.run([command, "convert", mcap, log], capture_output=True)
-        if done.returncode == 1:  # not one scan yet
+        if done.returncode == 1 or (done.returncode == 2 and b"ends without its end record" in done.stderr):  # not one scan yet
             return otherwise
         if done.returncode not in (0, 4):
             return None
