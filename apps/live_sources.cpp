@@ -152,7 +152,11 @@ class LogReplay final : public ReplaySource {
   }
   /// False: nobody watches, or it is to stop.
   bool wait_at_end(const std::function<bool()>& stop) {
-    while (!stop() && watched_ && watched_()) {
+    constexpr std::int64_t kGraceNs = 10'000'000'000;  // a page that is loaded anew is away for a moment
+    std::int64_t seen_ns = 0;
+    while (!stop() && watched_) {
+      if (watched_()) seen_ns = steady_ns();
+      if (seen_ns == 0 || steady_ns() - seen_ns > kGraceNs) return false;
       if (sought_ns_ != kNowhere && sought_ns_ < at_ns_) return true;
       sought_ns_ = kNowhere;
       std::this_thread::sleep_for(std::chrono::milliseconds(50));

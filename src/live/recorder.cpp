@@ -72,13 +72,17 @@ void Recorder::write(const Item& item) {
 }
 
 void Recorder::work() {
+  // The first scan is written at once, what follows in pieces: there is never more than a piece to lose.
   std::int64_t due_ns = steady_ns();
+  bool waiting = false;
   while (!queue_.ended()) {
     const auto item = queue_.pop_within(std::chrono::milliseconds(100));
     guarded([&] {
       if (item) write(*item);
-      if (steady_ns() < due_ns) return;
+      waiting = waiting || item;
+      if (!waiting || steady_ns() < due_ns) return;
       file_.flush();
+      waiting = false;
       due_ns = steady_ns() + kFlush_ns;
     });
   }

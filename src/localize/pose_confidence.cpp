@@ -18,9 +18,10 @@ PoseEvidence evidence_of(const FoundPose& pose, double margin) {
 }
 
 double pose_confidence(const PoseEvidence& e) {
-  // A logistic regression over simulated scans.
-  const double sum = -6.0 + 2.2 * std::log1p(e.margin) + 6.0 * (e.explained - 0.6) - 8.0 * e.contradicting -
-                     1.0 * std::log(std::max(0.01, e.sigma_m) / 0.02);
+  // A logistic regression over 800 simulated scans in a building, flats and offices, on maps that SLAM made of them; a
+  // quarter of the scans are from rooms that the map has not.
+  const double sum = -9.6 + 3.03 * std::log1p(e.margin) + 5.5 * (e.explained - 0.6) - 10.8 * e.contradicting -
+                     0.22 * std::log(std::max(0.01, e.sigma_m) / 0.02);
   return 1.0 / (1.0 + std::exp(-sum));
 }
 

@@ -1,6 +1,9 @@
 #include "serve/access.hpp"
 
 #include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netinet/in.h>
 #include <sys/random.h>
 #include <unistd.h>
 
@@ -124,6 +127,22 @@ std::vector<std::string> names_of_this_computer() {
     names.push_back(name + ".local");
   }
   return names;
+}
+
+std::string address_of_this_computer() {
+  ifaddrs* all = nullptr;
+  std::string found;
+  if (::getifaddrs(&all) == 0) {
+    for (const ifaddrs* one = all; one != nullptr && found.empty(); one = one->ifa_next) {
+      if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
+      if ((one->ifa_flags & IFF_UP) == 0 || (one->ifa_flags & IFF_LOOPBACK) != 0) continue;
+      std::array<char, INET_ADDRSTRLEN> text{};
+      const auto* address = reinterpret_cast<const sockaddr_in*>(one->ifa_addr);
+      if (::inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size()) != nullptr) found = text.data();
+    }
+    ::freeifaddrs(all);
+  }
+  return found.empty() ? names_of_this_computer().back() : found;
 }
 
 }  // namespace phasescan::serve

@@ -38,5 +38,7 @@ std::string random_token();
 bool is_loopback(std::string_view address);
 /// localhost and the computer's name, with and without ".local".
 std::vector<std::string> names_of_this_computer();
+/// By which others reach this computer: the first address of a network that is up, its name where there is none.
+std::string address_of_this_computer();
 
 }  // namespace phasescan::serve

@@ -133,7 +133,7 @@ std::uint16_t Server::port() const {
 
 std::string Server::url() const {
   const tcp::endpoint at = impl_->acceptor.local_endpoint();
-  std::string host = at.address().is_unspecified() ? names_of_this_computer().back() : at.address().to_string();
+  std::string host = at.address().is_unspecified() ? address_of_this_computer() : at.address().to_string();
   if (at.address().is_v6() && !at.address().is_unspecified()) host = "[" + host + "]";
   const std::string& token = impl_->state.options.token;
   return "http://" + host + ":" + std::to_string(at.port()) + "/" + (token.empty() ? "" : "?token=" + token);

@@ -47,7 +47,7 @@ void count_scans(const SlamResult& result, RunEvidence& e) {
     e.left_out += scan.left_out;
     e.off_map += !scan.on_map;
     on_map += tracked && scan.on_map && !scan.left_out;
-    e.lost += !tracked;
+    e.lost += !tracked && !scan.left_out;
   }
   const auto empty = result.oddities.find("scan without a return");
   const double none = empty == result.oddities.end() ? 0.0 : static_cast<double>(empty->second.count);

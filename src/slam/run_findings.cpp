@@ -109,7 +109,8 @@ RunFinding contradiction(const SlamResult& result, const RunEvidence& evidence) 
 }
 
 RunFinding gaps(const SlamResult& result, const RunEvidence& evidence) {
-  const auto lost = static_cast<std::size_t>(std::lround(evidence.lost * evidence.scans));
+  auto lost = static_cast<std::size_t>(std::lround(evidence.lost * evidence.scans));
+  if (lost < kFewestScans) lost = 0;
   RunFinding finding{"gaps", lost, 0, counted(lost, "scan was", "scans were") + " not matched", -1};
   if (evidence.longest_gap_m > kGapWayM) {
     ++finding.count;

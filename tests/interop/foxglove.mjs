@@ -58,7 +58,7 @@ function connect(subprotocol, wanted) {
     if (!seen.messages.has(topic)) seen.messages.set(topic, []);
     seen.messages.get(topic).push({ time: message.timestamp, ...readers.get(message.subscriptionId).readMessage(message.data) });
   });
-  const until = (what, condition, seconds = 40) => within(seconds, what, new Promise((resolve) => {
+  const until = (what, condition, seconds = 90) => within(seconds, what, new Promise((resolve) => {
     const timer = setInterval(() => condition() && (clearInterval(timer), resolve()), 20);
   }));
   return { client, socket, seen, until };

@@ -65,6 +65,12 @@ TEST(Access, LoopbackIsThisComputerAlone) {
     EXPECT_FALSE(is_loopback(address)) << address;
 }
 
+TEST(Access, OthersAreToldANameThatIsAnswered) {
+  const std::string address = address_of_this_computer();
+  EXPECT_FALSE(is_loopback(address));
+  EXPECT_EQ(from({"", names_of_this_computer()}, address + ":8080"), Access::kGranted) << address;
+}
+
 TEST(SaveNames, NothingLeadsOutOfTheFolder) {
   std::string why;
   for (const char* name : {"map", "flat-2.1", "A_b", "2026-01-01"}) EXPECT_TRUE(check_save_name(name, why)) << name;

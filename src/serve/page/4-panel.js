@@ -12,7 +12,7 @@
     ambiguous: ["Ambiguous", "a direction is open, as along a bare corridor"],
     lost: ["Lost", "the pose shown is only a prediction"],
     stalled: ["No scans", ""],
-    told: ["Put by hand", "shown there until the map says better"],
+    told: ["Placed by hand", "shown there until the map says better"],
     looking: ["Looking for itself", "drive on: a place that is known again joins the map"],
     offline: ["Not connected", "trying again"],
   };
@@ -45,14 +45,16 @@
   function show_state() {
     const scan = world.state.scan, age = (performance.now() - last_scan) / 1000;
     let name = offline ? "offline" : status && !scan ? status.state : scan ? scan.state : "waiting";
-    if (!offline && status && (status.state === "stalled" || status.state === "waiting")) name = status.state;
+    const replay = status && status.replay;  // a log that is held, or has ended, is no sensor that is silent
+    if (!offline && status && !(replay && scan) && (status.state === "stalled" || status.state === "waiting")) name = status.state;
+    const ended = replay && replay.duration_s > 0 && replay.time_s >= replay.duration_s - 0.05;
     const unplaced = scan && !scan.placed && !offline;
     const [title, text] = unplaced && name === "degraded" ? words.told : unplaced && name === "lost" ? words.looking : words[name] ?? words.waiting;
     el("state").dataset.state = name;
     el("state-name").textContent = title;
     el("state-source").textContent = status ? status.source.split("/").pop() : "";
     const where = scan ? `${scan.x.toFixed(2)}, ${scan.y.toFixed(2)} m, ${(scan.theta * 180 / Math.PI).toFixed(0)}\u00b0` : "";
-    el("state-text").textContent = name === "stalled" ? `the last one came ${Math.round(status.age_s)} s ago: cable, power, motor?` : text || where;
+    el("state-text").textContent = name === "stalled" ? `the last one came ${Math.round(status.age_s)} s ago: cable, power, motor?` : ended ? "the log ends here" : text || where;
     el("alarm").hidden = !(name === "lost" || name === "offline" || name === "stalled") || (name === "offline" && age < 2);
     el("alarm-name").textContent = title;
     el("alarm-text").textContent = name === "lost" ? "Drive on: a place that is known again brings it back. Or tell it where it is." :
