@@ -110,6 +110,13 @@ SlamState::Data closed(const SlamState& run, const SlamOptions& options) {
   return data;
 }
 
+/// Nothing but loops ties a run's first keyframe to those of the run before; where it still waits, it has to say so.
+void begin_anew(SlamState::Data& next) {
+  if (!next.backend.session.keyframes.empty()) return;
+  std::vector<Keyframe>& waiting = next.backend.admission.waiting.empty() ? next.batch : next.backend.admission.waiting;
+  if (!waiting.empty()) waiting.front().new_segment = true;
+}
+
 /// By time; runs that began at one moment by what is in them.
 std::vector<std::size_t> in_order_of_time(const std::vector<SlamState>& runs) {
   std::vector<std::size_t> order(runs.size());
@@ -181,6 +188,7 @@ MergedStates merge_states(const std::vector<SlamState>& runs, const SlamOptions&
     const Before before = before_next(merged);
     members[order[k]] = member_of(next, before, backend.keyframes().size());
     renumber(next, before);
+    if (k > 0) begin_anew(next);
     backend.join(std::exchange(next.backend, {}));
     if (k == 0) {
       merged = std::move(next);

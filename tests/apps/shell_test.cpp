@@ -50,7 +50,8 @@ TEST(Completion, BashOffersCommandsFlagsAndWords) {
     return result.out;
   };
   EXPECT_EQ(offered("phasescan sl"), "slam\n");
-  EXPECT_THAT(offered("phasescan ''"), AllOf(HasSubstr("match slam localize merge info"), Not(HasSubstr("completion"))));
+  EXPECT_THAT(offered("phasescan ''"),
+              AllOf(HasSubstr("match slam localize merge info"), Not(HasSubstr("completion"))));
   EXPECT_EQ(offered("phasescan slam --odo"), "--odometry\n");
   EXPECT_EQ(offered("phasescan slam drive.log --odometry ''"), "auto none\n");
   EXPECT_EQ(offered("phasescan match --method fft-icp"), "fft-icp1 fft-icp2\n");

@@ -135,6 +135,15 @@ TEST_P(Merge, WhatNothingTiesIsAResultByItselfLargestFirst) {
   }
 }
 
+TEST_P(Merge, ADriveOfWhichNoKeyframeIsOnItsMapYetIsAPieceToo) {
+  const Drive a = drive_through(testing::two_rooms(), 0, 60, 100.0), b = drive_through(other_rooms(), 0, 12, 5000.0);
+  const SlamState run_b = run_of(b, options());
+  EXPECT_TRUE(run_b.data().backend.session.keyframes.empty());
+  const SlamResult result = finished(merge_states({run_of(a, options()), run_b}, options()).state, options());
+  EXPECT_EQ(result.pieces, 2);
+  EXPECT_EQ(result.parts.size(), 2u);
+}
+
 TEST_P(Merge, GoesOnWithTheLastRun) {
   const Drive a = drive_through(testing::two_rooms(), 0, 150, 100.0),
               b = drive_through(testing::two_rooms(), 100, 200, 5000.0);
