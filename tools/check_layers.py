@@ -28,7 +28,7 @@ io           core scan
 live         core scan match odometry map slam io
 sim          core scan io
 emulate      core scan io live sim
-ros2         core scan map slam odometry io
+ros2         core scan map slam odometry localize io
 dds          core scan map slam odometry io live ros2
 calibrate    core scan io sim
 config       core methods io match fft_icp slam localize
