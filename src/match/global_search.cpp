@@ -224,7 +224,7 @@ void GlobalSearch::settle(const PreparedScan& reference, const PreparedScan& sca
   }
   out.residual_covariance = covariance_of_residuals(reference.model(), scan.model(), best.T_ref_scan,
                                                     {fine.gate_end_m, 0.0, fine.min_normal_cosine}, of_scan,
-                                                    options_.both_ways ? &of_ref : nullptr, runs_);
+                                                    options_.both_ways ? &of_ref : nullptr, refinement_, runs_);
   out.reference_turn_variance = reference.turn_variance;
   out.scan_turn_variance = scan.turn_variance;
   if (out.profile < kDoubtfulProfile) {

@@ -75,15 +75,16 @@ PointToLineResult refine_point_to_line(const SurfaceModel& reference, const Surf
 
 Eigen::Matrix3d covariance_of_residuals(const SurfaceModel& reference, const SurfaceModel& scan,
                                         const Pose2& T_ref_scan, const PartnerGate& gate, const SurfaceBatch& of_scan,
-                                        const SurfaceBatch* of_ref, std::vector<NormalEquations>& work) {
+                                        const SurfaceBatch* of_ref, PointToLineWorkspace& partners,
+                                        std::vector<NormalEquations>& work) {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero(), scatter = Eigen::Matrix3d::Zero();
-  point_to_line_equations_by_run(reference, of_scan, T_ref_scan, gate, work);
+  point_to_line_equations_by_run(reference, of_scan, T_ref_scan, gate, partners.in_reference, work);
   for (const NormalEquations& run : work) {
     H += run.H;
     scatter += run.g * run.g.transpose();
   }
   if (of_ref != nullptr) {
-    point_to_line_equations_by_run(scan, *of_ref, T_ref_scan.inverse(), gate, work);
+    point_to_line_equations_by_run(scan, *of_ref, T_ref_scan.inverse(), gate, partners.in_scan, work);
     for (const NormalEquations& forth : work) {
       const NormalEquations run = about_inverse(forth, T_ref_scan);
       H += run.H;

@@ -203,12 +203,12 @@ NormalEquations point_to_line_equations(const SurfaceModel& model, const Surface
 }
 
 void point_to_line_equations_by_run(const SurfaceModel& model, const SurfaceBatch& hits, const Pose2& T_model_hits,
-                                    const PartnerGate& gate, std::vector<NormalEquations>& out) {
+                                    const PartnerGate& gate, Partners& partners, std::vector<NormalEquations>& out) {
   out.clear();
   if (model.points.size() == 0 || model.grid.empty()) return;
+  Partners* const known = partners.known && partners.index.size() == hits.padded() ? &partners : nullptr;
   for (std::size_t from = 0; from < hits.count; from += kRunOfHits)
-    out.push_back(
-        equations_of(model, hits, from, std::min(kRunOfHits, hits.count - from), T_model_hits, gate, nullptr));
+    out.push_back(equations_of(model, hits, from, std::min(kRunOfHits, hits.count - from), T_model_hits, gate, known));
 }
 
 NormalEquations about_inverse(const NormalEquations& equations, const Pose2& T) {

@@ -133,14 +133,21 @@ TEST(Refinement, NoiseOfTheNormalsIsNoInformationAlongBareWalls) {
   EXPECT_LT(along, 3e-3 * across);
 }
 
-/// Of 360 hits in a room, at the pose that the refinement finds.
+/// Of 360 hits in a room, at the pose that the refinement finds; with its partners as with none known.
 Eigen::Matrix3d residual_covariance(const PreparedScan& reference, const PreparedScan& scan, const Pose2& guess) {
   const PointToLineOptions options;
-  const PointToLineResult found = refine_point_to_line(reference.model(), scan.model(), guess, options);
+  PointToLineWorkspace known, none;
+  const PointToLineResult found =
+      refine_point_to_line(reference.model(), scan.model(), guess, options, scan.all, &reference.all, known);
   EXPECT_TRUE(found.converged);
   std::vector<NormalEquations> work;
-  return covariance_of_residuals(reference.model(), scan.model(), found.T_ref_scan, {options.gate_end_m, 0.0, 0.75},
-                                 scan.all, &reference.all, work);
+  const auto with = [&](PointToLineWorkspace& partners) {
+    return covariance_of_residuals(reference.model(), scan.model(), found.T_ref_scan, {options.gate_end_m, 0.0, 0.75},
+                                   scan.all, &reference.all, partners, work);
+  };
+  const Eigen::Matrix3d anew = with(none);
+  EXPECT_LT((with(known) - anew).norm(), 0.1 * anew.norm());
+  return anew;
 }
 
 TEST(ResidualCovariance, FollowsTheErrorsOfTheScans) {
@@ -176,9 +183,11 @@ TEST(ResidualCovariance, CoversTheErrorsOfBentScans) {
 
 TEST(ResidualCovariance, OfHitsThatHoldNothingIsZero) {
   const PreparedScan scan = wall();
+  PointToLineWorkspace partners;
   std::vector<NormalEquations> work;
-  EXPECT_EQ(covariance_of_residuals(scan.model(), scan.model(), {}, {0.1, 0.0, 0.75}, scan.all, nullptr, work),
-            Eigen::Matrix3d::Zero())
+  EXPECT_EQ(
+      covariance_of_residuals(scan.model(), scan.model(), {}, {0.1, 0.0, 0.75}, scan.all, nullptr, partners, work),
+      Eigen::Matrix3d::Zero())
       << "along the wall";
 }
 
