@@ -2,6 +2,7 @@
 import os
 import pathlib
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -31,7 +32,8 @@ class CMakeBuild(build_ext):
         build.mkdir(parents=True, exist_ok=True)
         ninja = ["-G", "Ninja"] if shutil.which("ninja") else []
         subprocess.run(["cmake", "-S", ROOT, "-B", build, *ninja, "-DCMAKE_BUILD_TYPE=Release", "-DPHASESCAN_PYTHON=ON", "-DPHASESCAN_BUILD_TESTS=OFF",
-                        "-DPHASESCAN_BUILD_BENCH=OFF", "-DPHASESCAN_INSTALL=OFF", f"-DPython_EXECUTABLE={sys.executable}"], check=True)
+                        "-DPHASESCAN_BUILD_BENCH=OFF", "-DPHASESCAN_INSTALL=OFF", f"-DPython_EXECUTABLE={sys.executable}",
+                        *shlex.split(os.environ.get("CMAKE_ARGS", ""))], check=True)
         jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(os.cpu_count() or 1))
         subprocess.run(["cmake", "--build", build, "-j", jobs, "--target", "phasescan_python", "phasescan_app"], check=True)
 

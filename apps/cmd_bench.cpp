@@ -169,6 +169,7 @@ void add_bench_command(CLI::App& app, CommandBody& body) {
           ->check(whole_number_from(0));
   add_threads_flag(*command, flags->common);
   add_config_flag(*command, flags->common);
+  add_sensor_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);
   command->callback([flags, command, seed, &body] {
     if (!command->get_subcommands().empty()) return;

@@ -1,17 +1,20 @@
 // phasescan live: a sensor plugged in, poses as they come.
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cstdio>
+#include <memory>
+#include <optional>
+#include <vector>
 
 #include "command_list.hpp"
 #include "commands.hpp"
-#include "io/file.hpp"
 #include "live/port.hpp"
+#include "live_commands.hpp"
+#include "live_health.hpp"
 #include "live_keeping.hpp"
+#include "live_output.hpp"
 #include "live_ros2.hpp"
+#include "live_serve.hpp"
 #include "live_sources.hpp"
-#include "people.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/live/live.hpp"
 #include "saved_run.hpp"
@@ -23,21 +26,10 @@ struct LiveFlags {
   CommonFlags common;
   LogOptions options;
   KeepingFlags keeping;
-  std::string port, replay, sensor, raw;
+  std::string port, replay, sensor, raw, serve, folder = ".";
   bool demo = false, json = false, list = false, ros2 = false;
+  std::string health;  ///< of a run that is asked
 };
-
-std::string json_line(const live::LiveUpdate& live) {
-  const ScanUpdate& update = live.update;
-  const Pose2 pose = update.T_map_base();
-  std::string line =
-      fmt::format(R"({{"stamp": {:.6f}, "status": "{}", "pose": {{"x": {:.4f}, "y": {:.4f}, "theta": {:.5f}}}, )",
-                  stamp_to_seconds(update.stamp), to_string(update.status), pose.x, pose.y, pose.theta);
-  const Eigen::Matrix3d covariance = update.map_covariance.value_or(update.odom_covariance);
-  line += "\"covariance\": [";
-  for (int i = 0; i < 9; ++i) line += fmt::format("{}{:.6g}", i > 0 ? ", " : "", covariance(i / 3, i % 3));
-  return line + fmt::format("], \"confidence\": {:.3f}, \"latency_ms\": {:.2f}}}\n", live.confidence, live.latency_ms);
-}
 
 int print_list() {
   const std::vector<live::ListedPort> ports = live::list_ports();
@@ -53,47 +45,27 @@ int print_list() {
   return kDone;
 }
 
-std::unique_ptr<live::LiveSource> source_of(const LiveFlags& flags, LiveRos2& ros2) {
+/// Where scans come from; `replay` is the same where it is a log.
+struct Source {
+  std::unique_ptr<live::LiveSource> source;
+  ReplaySource* replay = nullptr;
+};
+
+Source source_of(const LiveFlags& flags, LiveRos2& ros2) {
   const int sources = (flags.port.empty() ? 0 : 1) + (flags.replay.empty() ? 0 : 1) + (flags.demo ? 1 : 0);
   if (sources != 1) throw std::invalid_argument("live: expected one of --port PORT, --replay LOG, --demo");
-  if (flags.demo) return demo_source(flags.common.seed);
-  if (!flags.replay.empty()) return replay_source(flags.replay, flags.options);
-  if (LiveRos2::is_topic(flags.port)) return ros2.open(flags.port);
-  return live::open_sensor(flags.port, flags.sensor, flags.raw);
+  if (flags.demo) return {demo_source(flags.common.seed)};
+  if (LiveRos2::is_topic(flags.port)) return {ros2.open(flags.port)};
+  if (flags.replay.empty()) return {sensor_source(flags.port, flags.sensor, flags.raw, flags.options)};
+  auto replay = replay_source(flags.replay, flags.options);
+  ReplaySource* steered = replay.get();
+  return {std::move(replay), steered};
 }
 
-/// What people see of a run: a line per scan with --json, else one that changes on a terminal, else one per event.
-class LiveOutput {
- public:
-  explicit LiveOutput(bool json) : json_(json), terminal_(::isatty(STDERR_FILENO) != 0 && !json) {}
-
-  void show(const live::LiveUpdate& update) {
-    if (json_) {
-      print(json_line(update));
-      flush();
-      return;
-    }
-    const Pose2 pose = update.update.T_map_base();
-    const std::string status = to_string(update.update.status);
-    if (terminal_) {
-      std::fprintf(stderr, "\r%-12s x %7.2f m  y %7.2f m  heading %6.1f deg  %5.1f ms ", status.c_str(), pose.x, pose.y,
-                   rad_to_deg(pose.theta), update.latency_ms);
-    } else if (status != before_) {
-      std::fprintf(stderr, "phasescan: %s\n", status.c_str());
-    }
-    before_ = status;
-  }
-  void tell(const std::string& text) const {
-    std::fprintf(stderr, "%sphasescan: %s\n", terminal_ ? "\n" : "", text.c_str());
-  }
-  void end() const {
-    if (terminal_) std::fprintf(stderr, "\n");
-  }
-
- private:
-  bool json_, terminal_;
-  std::string before_;
-};
+std::string source_text(const LiveFlags& flags) {
+  if (flags.demo) return "demo";
+  return flags.replay.empty() ? flags.port : flags.replay;
+}
 
 /// A run that begins, or goes on with --resume.
 struct BegunRun {
@@ -108,47 +80,60 @@ BegunRun begin(const LiveFlags& flags, const Config& config) {
   return begun;
 }
 
-/// A map that grows begins where the robot began: no pose on it can be asked for.
-std::function<void(const Pose2&, const Eigen::Matrix3d&)> no_use_for_a_pose(
-    const std::function<void(const std::string&)>& tell) {
-  return [tell](const Pose2&, const Eigen::Matrix3d&) {
-    tell("initialpose: a pose came; a map that is being made has no use for it");
-  };
+Slam slam_of(const BegunRun& begun, Executor* executor) {
+  if (begun.saved) return Slam(begun.saved->state, begun.options, Schedule::kLatest, executor);
+  return Slam(begun.options, Schedule::kLatest, executor);
 }
 
 int run_live_command(const LiveFlags& flags) {
   if (flags.list) return print_list();
+  if (!flags.health.empty()) return run_health(flags.health);
   if (!flags.raw.empty() && flags.port.empty())
     throw std::invalid_argument("--raw: keeps what a port sends; expected --port with it");
   LiveOutput output(flags.json);
-  const auto tell = [&](const std::string& text) { output.tell(text); };
   BegunRun begun = begin(flags, config_from(flags.common));
-  LiveRos2 ros2(flags.ros2 || LiveRos2::is_topic(flags.port));
-  std::unique_ptr<live::LiveSource> source = source_of(flags, ros2);
-  if (flags.ros2) ros2.publish(begun.options.map, no_use_for_a_pose(tell));
-  LiveKeeping keeping(flags.keeping, begun.options.slam.autosave_s, tell);
   ThreadExecutor executor;
-  Slam slam = begun.saved ? Slam(begun.saved->state, begun.options, Schedule::kLatest, &executor)
-                          : Slam(begun.options, Schedule::kLatest, &executor);
+  Slam slam = slam_of(begun, &executor);
+  const std::unique_ptr<live::LiveEngine> engine = live::slam_engine(slam, [&] { return slam_of(begun, &executor); });
+  live::LiveTasks tasks;
+  serve::StatusBoard board(source_text(flags));
+  const auto tell = [&](const std::string& text) {
+    output.tell(text);
+    board.tell(text);
+  };
+  LiveSaver saver(slam, flags.folder);
+  LiveRecording recording(flags.folder, tell);
+  LiveCommands commands(*engine, tasks, &saver, &recording);
+  const LiveShow show(begun.options, board, commands);
+  LiveRos2 ros2(flags.ros2 || LiveRos2::is_topic(flags.port));
+  Source from = source_of(flags, ros2);
+  commands.set_replay(from.replay);
+  LiveKeeping keeping(flags.keeping, begun.options.slam.autosave_s, tell);
+  if (flags.ros2)
+    ros2.publish(begun.options.map, [&](const Pose2& T_map_base, const Eigen::Matrix3d&) {
+      commands.set_pose(T_map_base, [tell](bool, const std::string& text) { tell("initialpose: " + text); });
+    });
   if (begun.saved && begun.saved->state.scans() > 0)
-    source =
-        resumed(std::move(source), slam, summarize(begun.saved->state).last_stamp, begun.options.slam.session_gap_s);
-  begun.saved.reset();
+    from.source = resumed(std::move(from.source), slam, summarize(begun.saved->state).last_stamp,
+                          begun.options.slam.session_gap_s);
+  if (from.replay == nullptr) begun.saved.reset();  // only a log begins again
   const InterruptGuard guard;
+  const std::unique_ptr<serve::Server> server =
+      serve_run(flags.serve, live_router(show), [&](const std::string& text) { output.tell(text); });
+  if (server && from.replay != nullptr) from.replay->set_watched([&] { return server->counts().web_sockets > 0; });
+  std::vector<live::LiveSink*> sinks{&output, &keeping, &board, &ros2};
+  if (server) sinks.insert(sinks.end(), {&recording, show.viewer.get(), show.foxglove.get()});
   live::LiveSummary summary;
   try {
     summary = live::run_live(
-        *source, slam, [] { return InterruptGuard::interrupted(); },
-        [&](const live::LiveUpdate& update) {
-          output.show(update);
-          keeping.take(update);
-          ros2.take(update);
-        },
-        tell, [&](Slam& run) { keeping.between(run); });
+        *from.source, *engine, sinks, &tasks, [] { return InterruptGuard::interrupted(); }, tell,
+        [&] { keeping.between(slam); });
   } catch (...) {
+    saver.wait();
     keeping.finish(slam);
     throw;
   }
+  saver.wait();  // its answer goes through the server
   output.end();
   tell(fmt::format("{} scans, {} left out because they came faster than they were used, at most {:.1f} ms late",
                    summary.scans, summary.dropped, summary.worst_latency_ms));
@@ -171,14 +156,30 @@ void add_live_command(CLI::App& app, CommandBody& body) {
       ->type_name("LOG")
       ->check(not_empty());
   command->add_flag("--demo", flags->demo, "a simulated sensor");
-  command->add_option("--sensor", flags->sensor, "which sensor it is; else it is found by asking and listening")
-      ->type_name("S")
+  command
+      ->add_option("--sensor", flags->sensor,
+                   "which sensor it is, else it is found by asking and listening; or a file of `calibrate`")
+      ->type_name("S|FILE")
       ->check(not_empty());
   command->add_flag("--json", flags->json, "a JSON line per scan on standard output");
   command->add_option("--raw", flags->raw, "keeps the bytes as they come, with their times")
       ->type_name("FILE")
       ->check(not_empty());
-  command->add_flag("--ros2", flags->ros2, "publishes transforms, pose, map, path and scans to ROS 2 (ROS_DOMAIN_ID)");
+  command
+      ->add_option("--serve", flags->serve,
+                   "where the run is shown: a page, its status, other protocols; 'off': nowhere")
+      ->type_name("ADDR:PORT")
+      ->default_str("127.0.0.1:8080")
+      ->check(not_empty());
+  command->add_option("--folder", flags->folder, "where the page saves maps and states")
+      ->type_name("DIR")
+      ->capture_default_str()
+      ->check(not_empty());
+  command
+      ->add_option("--health", flags->health,
+                   "asks a run at its address whether it is well: exit 0 yes, 1 no, 3 no answer")
+      ->type_name("http://ADDR:PORT")
+      ->check(not_empty());
   command->add_flag("--list", flags->list, "ports found and sensors known");
   add_keeping_flags(*command, flags->keeping);
   add_log_flags(*command, flags->options);

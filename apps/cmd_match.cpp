@@ -185,6 +185,7 @@ void add_match_command(CLI::App& app, CommandBody& body) {
   command->footer("Example:\n  phasescan match log.jsonl#0 log.jsonl#15 --plot match.svg");
   add_method_flags(*command, flags->common);
   add_config_flag(*command, flags->common);
+  add_sensor_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);
   add_seed_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);

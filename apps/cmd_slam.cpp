@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
+#include "in_the_way.hpp"
 #include "io/file.hpp"
 #include "people.hpp"
 #include "phasescan/io/log.hpp"
@@ -29,6 +30,7 @@ struct SlamFlags {
   std::string out, odometry = "auto", mcap, save, resume, extend;
   LogOptions options;
   int beam_step = 1;
+  bool update = false;
 
   /// The state that is gone on from; empty: none.
   const std::string& from() const { return resume.empty() ? extend : resume; }
@@ -70,56 +72,28 @@ void note_end(double cpu, double wall, SlamRun& run) {
   }
 }
 
+/// What the logs say of frames and clocks: no verdict of the map alone knows of it.
+void add_frame_reasons(const std::vector<OpenLog>& logs, SlamResult& result) {
+  for (const OpenLog& log : logs) {
+    for (const LogRemark& remark : log.reader->remarks()) {
+      if (remark.kind == "several frames" || remark.kind == "tilted laser" ||
+          remark.kind == "odometry of another clock")
+        result.findings.push_back({"frames", 1, 0, remark.text, -1});
+    }
+  }
+}
+
 /// Warnings of a finished run, and its exit code.
 int report_run(const std::vector<OpenLog>& logs, const SlamResult& result, const SlamFlags& flags, const SlamRun& run) {
-  bool damaged = false;
-  for (const auto& [kind, oddity] : result.oddities) {
-    damaged |= oddity.damage;
-    const std::string times = " (" + std::to_string(oddity.count) + " times: " + kind + ")";
-    const auto first = run.first_seen.find(kind);
-    warn((first == run.first_seen.end() ? run.log + ": " + oddity.what : first->second) +
-         (oddity.count > 1 ? times : ""));
-  }
-  if (!result.parts.empty()) {
-    // Of kind "pieces" among the reasons of a verdict.
-    warn(run.log + ": nothing ties all drives to each other; they are in " + std::to_string(result.parts.size()) +
-         " parts, " + flags.out + "/1 to " + flags.out + "/" + std::to_string(result.parts.size()));
-  } else if (const std::size_t left_out = result.scans_off_the_map(); left_out > 0) {
-    warn(run.log + ": the map is in " + std::to_string(result.pieces) + " pieces that nothing ties; " +
-         std::to_string(left_out) + " scans are not on it");
-  }
-  if (!result.deskewed && run.deskew_asked) {
-    warn(run.log +
-         ": turns show that the beams of a scan are of one time, whatever time_increment says; motion is not "
-         "taken out of the scans");
-  }
+  const bool damaged = warn_of_result(result, run, flags.out);
   int code = damaged || !run.damages.empty() ? kDamagedInput : kDone;
   for (const OpenLog& log : logs) {
     report_remarks(*log.reader, log.name);
     code = report_damages(*log.reader, code);
   }
-  if (!result.keyframes.empty()) return code;
+  if (!result.keyframes.empty()) return report_verdict(result, run, code);
   std::fprintf(stderr, "phasescan: %s: not one scan with enough returns to match\n", run.log.c_str());
   return kAnswerIsNo;
-}
-
-/// A file in the place of a log, or of one of the results, would destroy it.
-void refuse_in_the_way(const std::string& flag, const std::string& file, const SlamFlags& flags) {
-  namespace fs = std::filesystem;
-  if (file.empty()) return;
-  std::error_code ignored;
-  for (const std::string& log : flags.logs) {
-    if (fs::equivalent(file, log, ignored))
-      throw std::invalid_argument(flag + ": " + quote_text(file) + " is the log itself; expected another file");
-  }
-  const fs::path path(file);
-  const fs::path folder = fs::weakly_canonical(path.has_parent_path() ? path.parent_path() : ".", ignored);
-  if (folder != fs::weakly_canonical(flags.out, ignored)) return;
-  for (const char* name : {"trajectory.tum", "scans.jsonl", "graph.g2o", "map.pgm", "map.yaml", "map.png",
-                           "report.html", "timing.json", "summary.json"}) {
-    if (path.filename() == name)
-      throw std::invalid_argument(flag + ": " + quote_text(file) + " is a file of --out; expected another name");
-  }
 }
 
 /// What cuts the scans down: a run that goes on should read as it did before.
@@ -150,6 +124,7 @@ Begun begin(const SlamFlags& flags, const Config& config) {
       warn(flags.from() + ": the saved run was read with " + begun.run.reading + ", and goes on with " +
            reading_of(flags));
   }
+  begun.options.map.update = begun.options.map.update || flags.update;
   begun.run.reading = reading_of(flags);
   begun.run.times = !flags.common.no_times;
   begun.run.deskew_asked = begun.options.odometry.deskew;
@@ -170,7 +145,8 @@ int finish(Slam& slam, const std::vector<OpenLog>& logs, const SlamFlags& flags,
            double wall, SlamRun& run) {
   note_odometry(flags, slam.options(), run);
   if (!run.complete) warn("stopped after " + std::to_string(slam.scans()) + " scans; the results are of these");
-  const SlamResult result = slam.finish();
+  SlamResult result = slam.finish();
+  add_frame_reasons(logs, result);
   if (run.complete && InterruptGuard::interrupted())
     warn("asked to stop after the last scan; the results are of the whole log");
   note_end(cpu, wall, run);
@@ -191,8 +167,8 @@ int run_slam(const SlamFlags& flags) {
   SlamRun& run = begun.run;
   std::vector<OpenLog> logs;
   for (const std::string& log : flags.logs) logs.push_back({log, open_log(log, flags.options)});
-  refuse_in_the_way("--mcap", flags.mcap, flags);
-  refuse_in_the_way("--save", flags.save, flags);
+  refuse_in_the_way("--mcap", flags.mcap, flags.logs, flags.out);
+  refuse_in_the_way("--save", flags.save, flags.logs, flags.out);
   make_folder(flags.out);
   std::optional<SlamRecording> recording;  // opened before the work: a name that cannot be written costs no minutes
   if (!flags.mcap.empty()) recording.emplace(flags.mcap);
@@ -243,12 +219,14 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
       ->type_name("STATE")
       ->check(not_empty())
       ->excludes(resume);
+  command->add_flag("--update", flags->update, "where a later drive looked, what earlier ones saw fades (map.update)");
   command->footer(
       "Example:\n  phasescan slam drive.jsonl --out map --save drive.state\n"
       "  phasescan slam next-day.jsonl --extend drive.state --out both");
   add_log_flags(*command, flags->options);
   add_to_flag(*command, flags->options);
   add_config_flag(*command, flags->common);
+  add_sensor_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);
   command->callback([flags, &body] { body = [flags] { return run_slam(*flags); }; });

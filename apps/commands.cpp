@@ -16,6 +16,8 @@
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
 #include "io/number.hpp"
+#include "sim/lidar.hpp"
+#include "sim/pairs_spec.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -110,6 +112,15 @@ void add_to_flag(CLI::App& command, LogOptions& options, const std::vector<std::
   command.add_option_function<std::string>("--to", take, "scans up to this time after the first one")->type_name("S");
 }
 
+void add_sensor_flag(CLI::App& command, CommonFlags& flags) {
+  command
+      .add_option(
+          "--sensor", flags.sensor,
+          "the sensor that made the scans: a name of `simulate --help` or a file of `calibrate`; says by how much "
+          "whole revolutions turn, which widens covariances")
+      ->check(not_empty());
+}
+
 void add_method_flags(CLI::App& command, CommonFlags& flags) {
   command.add_option("--method", flags.method, "icp, ndt, fft, fft-icp1, fft-icp2 or global")
       ->type_name("NAME")
@@ -171,6 +182,12 @@ CLI::Validator not_empty() {
 
 Config config_from(const CommonFlags& flags) {
   Config config = flags.config.empty() ? Config{} : load_config(flags.config);
+  if (!flags.sensor.empty()) {
+    const double turn_deg = rad_to_deg(sim::revolution_turn_sigma(sim::read_lidar(flags.sensor)));
+    for (double* option :
+         {&config.match.match.general.revolution_turn_deg, &config.slam.match.match.revolution_turn_deg})
+      if (*option < 0.0) *option = turn_deg;
+  }
   if (!flags.method.empty()) config.match.match.method = enum_of_flag<MatchMethod>("--method", flags.method);
   if (flags.fast) config.match.match.general.fast = true;
   return config;

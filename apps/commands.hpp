@@ -32,6 +32,7 @@ using AddCommand = void (*)(CLI::App& app, CommandBody& body);
 /// Flags that more than one command has. Add those that apply with the functions below.
 struct CommonFlags {
   std::string config;  ///< --config FILE.yaml
+  std::string sensor;  ///< --sensor NAME|FILE.yaml
   std::string method;  ///< --method NAME (bench: comma-separated)
   bool fast = false;
   bool no_times = false;
@@ -39,6 +40,8 @@ struct CommonFlags {
   std::uint64_t seed = 1;
 };
 void add_config_flag(CLI::App& command, CommonFlags& flags);
+/// --sensor: what is known of the sensor that made the scans.
+void add_sensor_flag(CLI::App& command, CommonFlags& flags);
 void add_method_flags(CLI::App& command, CommonFlags& flags);
 void add_threads_flag(CLI::App& command, CommonFlags& flags, int default_threads = 1);
 void add_seed_flag(CLI::App& command, CommonFlags& flags);
@@ -59,7 +62,8 @@ CLI::Validator number_from_zero();
 /// Something rather than nothing: `--config "$UNSET"` is a mistake, not the default.
 CLI::Validator not_empty();
 
-/// Defaults, then --config, then --method (if it names one) and --fast. @throws InputError, std::invalid_argument
+/// Defaults, then --config, then --sensor (what the file leaves open), then --method (if it names one) and --fast.
+/// @throws InputError, std::invalid_argument
 Config config_from(const CommonFlags& flags);
 
 /// The value of an enum by its name, as a flag says it. @throws std::invalid_argument naming the flag, the choices and

@@ -34,6 +34,7 @@ class ResumedSource final : public live::LiveSource {
         },
         tell);
   }
+  bool can_wait() const override { return source_->can_wait(); }
 
  private:
   void join(Stamp stamp, const std::function<void(const std::string&)>& tell) {

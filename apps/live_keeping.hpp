@@ -17,14 +17,13 @@ struct KeepingFlags {
 };
 void add_keeping_flags(CLI::App& command, KeepingFlags& flags);
 
-class LiveKeeping {
+class LiveKeeping final : public live::LiveSink {
  public:
   using Tell = std::function<void(const std::string&)>;
   /// Opens the recording; says before anything begins where a file cannot be written. @throws InputError, SystemError
   LiveKeeping(const KeepingFlags& flags, double autosave_s, const Tell& tell);
 
-  /// By the thread of the output.
-  void take(const live::LiveUpdate& update);
+  void take(const live::LiveUpdate& update) override;
   /// By the thread of SLAM.
   void between(Slam& slam);
   /// Saves the state, closes the recording, says what is in it. False where the disk said no.

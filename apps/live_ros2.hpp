@@ -9,7 +9,7 @@
 
 namespace phasescan::app {
 
-class LiveRos2 {
+class LiveRos2 final : public live::LiveSink {
  public:
   /// Whether a port is a topic of ROS 2.
   static bool is_topic(const std::string& port) { return port.starts_with("ros2:"); }
@@ -17,13 +17,13 @@ class LiveRos2 {
   /// @param wanted  whether anything of ROS 2 is asked for; else nothing is opened
   /// @throws std::invalid_argument for variables of ROS 2 that are wrong, or where this build has no DDS; SystemError
   explicit LiveRos2(bool wanted);
-  ~LiveRos2();
+  ~LiveRos2() override;
 
   /// @throws std::invalid_argument for a name that is no topic
   std::unique_ptr<live::LiveSource> open(const std::string& port);
   /// From now on `take` publishes. @param set_pose  what becomes of a pose on initialpose
   void publish(const OccupancyOptions& map, std::function<void(const Pose2&, const Eigen::Matrix3d&)> set_pose);
-  void take(const live::LiveUpdate& update);
+  void take(const live::LiveUpdate& update) override;
 
  private:
   struct Impl;

@@ -1,11 +1,16 @@
 #include "live_sources.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "core/random.hpp"
+#include "io/cut_log.hpp"
 #include "sim/drive.hpp"
 #include "sim/pairs_spec.hpp"
 #include "sim/world_kinds.hpp"
@@ -17,44 +22,174 @@ std::int64_t steady_ns() {
   return std::chrono::steady_clock::now().time_since_epoch().count();
 }
 
-/// Waits for the moments at which scans of a log were taken. A pause of the log is cut short.
+/// Waits for the moments at which scans were taken. A pause of the log is cut short. Any thread may set the speed.
 class Pace {
  public:
-  /// False where it is to stop.
+  void set_speed(double speed) {
+    const std::lock_guard lock(mutex_);
+    rebase();
+    speed_ = speed;
+  }
+  double speed() const {
+    const std::lock_guard lock(mutex_);
+    return speed_;
+  }
+  /// The next scan is due at once, whenever it was taken.
+  void skip_to(Stamp stamp) {
+    const std::lock_guard lock(mutex_);
+    base_stamp_ = stamp;
+    base_ns_ = steady_ns();
+  }
+  /// False where `stop` says so.
   bool wait_for(Stamp stamp, const std::function<bool()>& stop) {
-    constexpr Stamp kLongest = 2'000'000'000;
-    if (before_)
-      due_ns_ += std::clamp<Stamp>(stamp - *before_, 0, kLongest);
-    else
-      due_ns_ = steady_ns();
-    before_ = stamp;
-    while (steady_ns() < due_ns_) {
-      if (stop()) return false;
-      std::this_thread::sleep_for(std::chrono::nanoseconds(std::min<std::int64_t>(due_ns_ - steady_ns(), 20'000'000)));
+    constexpr double kLongestNs = 2e9;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!base_stamp_) {
+        base_stamp_ = stamp;
+        base_ns_ = steady_ns();
+      }
+      rebase();
+      if (static_cast<double>(stamp - *base_stamp_) > kLongestNs) base_stamp_ = stamp - static_cast<Stamp>(kLongestNs);
     }
-    return !stop();
+    while (true) {
+      if (stop()) return false;
+      double left_ns = 1e9;
+      {
+        const std::lock_guard lock(mutex_);
+        rebase();
+        if (speed_ > 0.0) left_ns = static_cast<double>(stamp - *base_stamp_) / speed_;
+      }
+      if (left_ns <= 0.0) return true;
+      std::this_thread::sleep_for(std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(left_ns, 2e7))));
+    }
   }
 
  private:
-  std::optional<Stamp> before_;
-  std::int64_t due_ns_ = 0;
+  /// Time goes on at the speed that was.
+  void rebase() {
+    const std::int64_t now = steady_ns();
+    if (base_stamp_) *base_stamp_ += static_cast<Stamp>(speed_ * static_cast<double>(now - base_ns_));
+    base_ns_ = now;
+  }
+
+  mutable std::mutex mutex_;
+  double speed_ = 1.0;
+  std::optional<Stamp> base_stamp_;  // where the log stands at base_ns_
+  std::int64_t base_ns_ = 0;
 };
 
-class ReplaySource final : public live::LiveSource {
+class LogReplay final : public ReplaySource {
  public:
-  explicit ReplaySource(std::unique_ptr<LogReader> reader) : reader_(std::move(reader)) {}
+  LogReplay(std::string log, const LogOptions& options)
+      : log_(std::move(log)), options_(options), reader_(open_log(log_, options)) {
+    std::error_code ignored;
+    again_ = std::filesystem::is_regular_file(log_, ignored) || std::filesystem::is_directory(log_, ignored);
+  }
+  ~LogReplay() override {
+    ending_ = true;
+    if (measuring_.joinable()) measuring_.join();
+  }
+
+  bool can_wait() const override { return true; }
+  void set_speed(double speed) override { pace_.set_speed(speed); }
+  bool seek(double share) override {
+    if (!again_ || duration_ns_ <= 0) return false;
+    sought_ns_ = static_cast<std::int64_t>(share * static_cast<double>(duration_ns_));
+    return true;
+  }
+  serve::ReplayState state() const override {
+    return {stamp_to_seconds(at_ns_), again_ ? stamp_to_seconds(duration_ns_) : 0.0, pace_.speed()};
+  }
+  void set_watched(std::function<bool()> watched) override { watched_ = std::move(watched); }
+
   void run(const std::function<bool()>& stop, const std::function<void(live::LiveScan)>& hand,
            const std::function<void(const std::string&)>&) override {
-    Pace pace;
-    while (auto entry = reader_->next()) {
+    if (again_ && watched_) measuring_ = std::thread([this] { measure(); });
+    bool restarts = false;
+    while (!stop()) {
+      auto entry = reader_->next();
+      if (!entry) {
+        if (!wait_at_end(stop)) return;
+        restarts = begin_again();
+        continue;
+      }
       RangeMeasurement measurement = to_measurement(std::move(*entry));
-      if (!pace.wait_for(measurement.scan.stamp, stop)) return;
-      hand({std::move(measurement), steady_ns()});
+      const Stamp stamp = measurement.scan.stamp;
+      if (!first_) first_ = stamp;
+      if (!wait(stamp, stop)) return;
+      if (goes_back(stamp)) {
+        restarts = begin_again();
+        continue;
+      }
+      at_ns_ = stamp - *first_;
+      hand({std::move(measurement), steady_ns(), std::exchange(restarts, false)});
     }
   }
 
  private:
+  static constexpr std::int64_t kNowhere = -1;
+
+  /// Until the scan is due, or another place is asked for.
+  bool wait(Stamp stamp, const std::function<bool()>& stop) {
+    const std::int64_t sought = sought_ns_;
+    if (sought != kNowhere && stamp - *first_ < sought && sought >= at_ns_) {
+      pace_.skip_to(stamp);
+      return true;
+    }
+    if (sought != kNowhere && sought >= at_ns_) {
+      sought_ns_ = kNowhere;  // it is reached
+      pace_.skip_to(stamp);
+      return true;
+    }
+    return pace_.wait_for(stamp, [&] { return stop() || sought_ns_ != kNowhere; }) || !stop();
+  }
+  bool goes_back(Stamp) const { return sought_ns_ != kNowhere && sought_ns_ < at_ns_; }
+  bool begin_again() {
+    reader_ = open_log(log_, options_);
+    at_ns_ = 0;
+    return true;
+  }
+  /// False: nobody watches, or it is to stop.
+  bool wait_at_end(const std::function<bool()>& stop) {
+    constexpr std::int64_t kGraceNs = 10'000'000'000;  // a page that is loaded anew is away for a moment
+    std::int64_t seen_ns = 0;
+    while (!stop() && watched_) {
+      if (watched_()) seen_ns = steady_ns();
+      if (seen_ns == 0 || steady_ns() - seen_ns > kGraceNs) return false;
+      if (sought_ns_ != kNowhere && sought_ns_ < at_ns_) return true;
+      sought_ns_ = kNowhere;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return false;
+  }
+  /// How long the log is: read once to its end, beside what is shown.
+  void measure() {
+    try {
+      const auto reader = open_log(log_, options_);
+      std::optional<Stamp> first;
+      while (auto entry = reader->next()) {
+        if (ending_) return;
+        const Stamp stamp = to_measurement(std::move(*entry)).scan.stamp;
+        if (!first) first = stamp;
+        length_ns_ = std::max<std::int64_t>(length_ns_, stamp - *first);
+      }
+      duration_ns_ = length_ns_;
+    } catch (const std::exception&) {
+      again_ = false;  // what is wrong with it is said by who shows it
+    }
+  }
+
+  const std::string log_;
+  const LogOptions options_;
   std::unique_ptr<LogReader> reader_;
+  Pace pace_;
+  std::optional<Stamp> first_;
+  std::function<bool()> watched_;
+  std::thread measuring_;
+  std::atomic<bool> again_{false}, ending_{false};
+  std::int64_t length_ns_ = 0;
+  std::atomic<std::int64_t> at_ns_{0}, duration_ns_{0}, sought_ns_{kNowhere};
 };
 
 class DemoSource final : public live::LiveSource {
@@ -81,10 +216,45 @@ class DemoSource final : public live::LiveSource {
   sim::Drive drive_;
 };
 
+/// Scans of a sensor cut down as those of a log are.
+class CutSource final : public live::LiveSource {
+ public:
+  CutSource(std::unique_ptr<live::LiveSource> source, LogOptions options)
+      : source_(std::move(source)), options_(std::move(options)) {}
+  void run(const std::function<bool()>& stop, const std::function<void(live::LiveScan)>& hand,
+           const std::function<void(const std::string&)>& tell) override {
+    source_->run(
+        stop,
+        [&](live::LiveScan scan) {
+          scan.measurement.scan = cut_scan(scan.measurement.scan, options_);
+          hand(std::move(scan));
+        },
+        tell);
+  }
+  bool can_wait() const override { return source_->can_wait(); }
+
+ private:
+  std::unique_ptr<live::LiveSource> source_;
+  LogOptions options_;
+};
+
 }  // namespace
 
-std::unique_ptr<live::LiveSource> replay_source(const std::string& log, const LogOptions& options) {
-  return std::make_unique<ReplaySource>(open_log(log, options));
+std::unique_ptr<live::LiveSource> sensor_source(const std::string& port, const std::string& sensor,
+                                                const std::string& raw, LogOptions options) {
+  const bool file = live::find_sensor(sensor) == nullptr && std::filesystem::is_regular_file(sensor);
+  if (file) {
+    const sim::LidarOptions lidar = sim::read_lidar(sensor);
+    options.range_min = std::max(options.range_min, lidar.range_min_m);
+    options.range_max = options.range_max > 0.0 ? std::min(options.range_max, lidar.range_max_m) : lidar.range_max_m;
+  }
+  auto source = live::open_sensor(port, file ? "" : sensor, raw);
+  if (!cuts_anything(options)) return source;
+  return std::make_unique<CutSource>(std::move(source), std::move(options));
+}
+
+std::unique_ptr<ReplaySource> replay_source(const std::string& log, const LogOptions& options) {
+  return std::make_unique<LogReplay>(log, options);
 }
 std::unique_ptr<live::LiveSource> demo_source(std::uint64_t seed) {
   return std::make_unique<DemoSource>(seed);

@@ -1,14 +1,13 @@
 #include "saved_run.hpp"
 
-#include <cerrno>
 #include <filesystem>
-#include <fstream>
+#include <stdexcept>
 #include <system_error>
 
 #include "commands.hpp"
 #include "io/file.hpp"
+#include "io/leftovers.hpp"
 #include "phasescan/io/error.hpp"
-#include "state/container.hpp"
 #include "state/reader.hpp"
 #include "state/writer.hpp"
 
@@ -16,6 +15,7 @@ namespace phasescan::app {
 namespace {
 
 constexpr const char* kNote = "slam";
+constexpr std::size_t kMostBytes = std::size_t{8} << 30;  // of a file, unpacked where its name ends in .gz
 
 /// A state that a program saved which is not this command.
 SlamRun run_of_nobody(const std::string& path, std::size_t scans) {
@@ -70,23 +70,23 @@ std::string note_of(const SlamRun& run) {
 }  // namespace
 
 std::string read_state_bytes(const std::string& path) {
-  try {
-    return read_bytes(path);
-  } catch (const std::system_error& error) {
-    const int code = error.code().value();
-    if (code == ENOENT || code == ENOTDIR) throw InputError(path, 0, "does not exist; expected a saved state");
-    if (code == EISDIR) throw InputError(path, 0, "is a folder; expected a saved state");
-    throw SystemError(path, "cannot be read: " + error.code().message());
-  }
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw InputError(path, 0, "does not exist; expected a saved state");
+  if (std::filesystem::is_directory(path, ignored)) throw InputError(path, 0, "is a folder; expected a saved state");
+  return read_file(path, kMostBytes);
 }
 
 bool is_state_file(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return false;  // a pipe is read once, by its reader
-  std::ifstream file(path, std::ios::binary);
-  std::string begin(8, '\0');
-  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  return is_saved_state(std::string_view(begin).substr(0, static_cast<std::size_t>(file.gcount())));
+  try {
+    InputStream file(path);
+    std::string begin(8, '\0');
+    begin.resize(file.read(begin));
+    return is_saved_state(begin);
+  } catch (const std::runtime_error&) {
+    return false;
+  }
 }
 
 LoadedRun load_run(const std::string& path) {
@@ -121,6 +121,14 @@ SlamOptions options_to_go_on(const SavedRun& saved, const std::string& file, con
   return given;
 }
 
+void save_run(const std::string& path, const SlamState& state, const SlamOptions& options, const SlamRun& run) {
+  write_file(path, encode_state({state, options, {{kNote, note_of(run)}}}));
+}
+
+StateSaver::StateSaver(std::string path, double every_s) : path_(std::move(path)), every_s_(every_s) {
+  if (!path_.empty()) drop_leftovers(path_);
+}
+
 void StateSaver::scan_added(Slam& slam, const SlamRun& run) {
   if (path_.empty() || every_s_ <= 0.0) return;
   const auto now = std::chrono::steady_clock::now();
@@ -130,7 +138,7 @@ void StateSaver::scan_added(Slam& slam, const SlamRun& run) {
 
 void StateSaver::save(Slam& slam, const SlamRun& run) {
   if (path_.empty()) return;
-  write_file(path_, encode_state({slam.checkpoint(), slam.options(), {{kNote, note_of(run)}}}));
+  save_run(path_, slam.checkpoint(), slam.options(), run);
   last_ = std::chrono::steady_clock::now();
 }
 

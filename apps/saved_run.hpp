@@ -25,11 +25,15 @@ std::string read_state_bytes(const std::string& path);
 /// Whether a file begins as a state does; false for what cannot be read.
 bool is_state_file(const std::string& path);
 
+/// Writes a run and what the command knows beside it. @throws SystemError
+void save_run(const std::string& path, const SlamState& state, const SlamOptions& options, const SlamRun& run);
+
 /// Writes the state of a run that goes on, now and then.
 class StateSaver {
  public:
   /// Saves nothing where `path` is empty. @param every_s  0: only when asked
-  StateSaver(std::string path, double every_s) : path_(std::move(path)), every_s_(every_s) {}
+  /// What a killed run left beside `path` is deleted.
+  StateSaver(std::string path, double every_s);
   /// After a scan: saves where it is time; after the first one at once. @throws SystemError
   void scan_added(Slam& slam, const SlamRun& run);
   /// @throws SystemError

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "commands.hpp"
 #include "progress.hpp"
 
 namespace phasescan::app {
@@ -40,9 +41,41 @@ std::string map_text(const TrinaryMap& map) {
 
 }  // namespace
 
+bool warn_of_result(const SlamResult& result, const SlamRun& run, const std::string& folder) {
+  bool damaged = false;
+  for (const auto& [kind, oddity] : result.oddities) {
+    damaged |= oddity.damage;
+    const std::string times = " (" + std::to_string(oddity.count) + " times: " + kind + ")";
+    const auto first = run.first_seen.find(kind);
+    warn((first == run.first_seen.end() ? run.log + ": " + oddity.what : first->second) +
+         (oddity.count > 1 ? times : ""));
+  }
+  if (!result.parts.empty()) {
+    // Of kind "pieces" among the reasons of a verdict.
+    warn(run.log + ": nothing ties all drives to each other; they are in " + std::to_string(result.parts.size()) +
+         " parts, " + folder + "/1 to " + folder + "/" + std::to_string(result.parts.size()));
+  } else if (const std::size_t left_out = result.scans_off_the_map(); left_out > 0) {
+    warn(run.log + ": the map is in " + std::to_string(result.pieces) + " pieces that nothing ties; " +
+         std::to_string(left_out) + " scans are not on it");
+  }
+  if (!result.deskewed && run.deskew_asked) {
+    warn(run.log +
+         ": turns show that the beams of a scan are of one time, whatever time_increment says; motion is not "
+         "taken out of the scans");
+  }
+  return damaged;
+}
+
+int report_verdict(const SlamResult& result, const SlamRun& run, int code) {
+  const Verdict verdict = result.verdict.verdict;
+  if (verdict == Verdict::kGood) return code;
+  warn(run.log + ": " + verdict_text(result));
+  return verdict == Verdict::kFailed ? kAnswerIsNo : code;
+}
+
 std::vector<EndingLine> slam_ending(const SlamResult& result, const SlamRun& run, const std::string& folder) {
   const std::size_t rejected = result.loops.rejected();
-  std::string way = metres_text(path_length(result.trajectory()));
+  std::string way = metres_text(path_length(result));
   if (!result.scans.empty())
     way += " in " + duration_text(stamp_to_seconds(result.scans.back().stamp - result.scans.front().stamp));
   return {
@@ -50,7 +83,7 @@ std::vector<EndingLine> slam_ending(const SlamResult& result, const SlamRun& run
       {"way", way},
       {"loops", fmt::format("{}{}", result.loops.accepted, rejected > 0 ? fmt::format(", {} rejected", rejected) : "")},
       {"map", map_text(result.map)},
-      // A verdict with its strongest reason would be one more line here.
+      {"verdict", verdict_text(result)},
       {"open", (std::filesystem::path(folder) / "report.html").string()},
   };
 }

@@ -64,7 +64,7 @@ Json summary_of(const SlamResult& result, const SlamRun& run) {
             {"rejected_outvoted", loops.rejected_inconsistent},
             {"rejected_beyond_drift", loops.rejected_beyond_drift},
             {"rejected_alike", loops.rejected_alike}}},
-          {"path_length_m", rounded(path_length(result.trajectory()), 1e3)},
+          {"path_length_m", rounded(path_length(result), 1e3)},
           {"odometry",
            {{"used", run.odometry_used},
             {"assumed", run.odometry_assumed},
@@ -89,6 +89,21 @@ Json summary_of(const SlamResult& result, const SlamRun& run) {
           {"warnings", warnings}};
 }
 
+/// What the run says of itself, and the numbers that the verdict rests on.
+void add_verdict(const SlamResult& result, Json& summary) {
+  summary["verdict"] = to_string(result.verdict.verdict);
+  summary["verdict_probability"] = rounded(result.verdict.probability, 1e4);
+  Json& reasons = summary["reasons"] = Json::array();
+  for (const RunFinding& finding : result.findings) {
+    reasons.push_back({{"kind", finding.kind},
+                       {"count", finding.count},
+                       {"first_stamp", stamp_to_seconds(finding.first_stamp)},
+                       {"what", finding.what}});
+  }
+  Json& evidence = summary["evidence"] = Json::object();
+  for (const auto& [name, value] : result.verdict.evidence) evidence[name] = rounded(value, 1e5);
+}
+
 /// Which log went where.
 Json inputs_of(const SlamResult& result, const SlamRun& run) {
   Json list = Json::array();
@@ -97,6 +112,7 @@ Json inputs_of(const SlamResult& result, const SlamRun& run) {
     Json line{{"log", std::filesystem::path(input.log).filename().string()},
               {"scans", input.scans},
               {"drive", input.session}};
+    if (!input.state.empty()) line["state"] = input.state;
     if (!result.parts.empty() && session < result.sessions.size())
       line["folder"] = std::to_string(result.sessions[session].part + 1);
     list.push_back(std::move(line));
@@ -208,8 +224,23 @@ std::string scan_lines(const SlamResult& result) {
   return text;
 }
 
+/// The verdict with its reasons, each with the place where the robot was when it was seen.
+void add_verdict(const SlamResult& result, SlamReport& report) {
+  report.verdict = fmt::format("{}: the trajectory is within 0.2 m or 1 % of its length with a probability of {:.1f} %",
+                               to_string(result.verdict.verdict), 100.0 * result.verdict.probability);
+  for (const RunFinding& finding : result.findings) {
+    VerdictReason reason{finding.kind, finding.count, finding.first_stamp, finding.what, {}, {}};
+    if (finding.scan >= 0 && static_cast<std::size_t>(finding.scan) < result.scans.size()) {
+      const Pose2& pose = result.scans[static_cast<std::size_t>(finding.scan)].T_map_base;
+      reason.x = pose.x, reason.y = pose.y;
+    }
+    report.reasons.push_back(std::move(reason));
+  }
+}
+
 std::string report_of(const SlamResult& result, const SlamRun& run, const Json& summary) {
   SlamReport report;
+  add_verdict(result, report);
   report.log_name = summary["log"];
   report.result = &result;
   report.overlap = run.overlap;
@@ -231,6 +262,12 @@ std::string report_of(const SlamResult& result, const SlamRun& run, const Json& 
 
 }  // namespace
 
+std::string verdict_text(const SlamResult& result) {
+  std::string text = to_string(result.verdict.verdict);
+  if (!result.findings.empty()) text += ": " + result.findings.front().kind + ": " + result.findings.front().what;
+  return text;
+}
+
 double path_length(const std::vector<Pose2>& poses) {
   // Steps below the noise of standing still are no way.
   double length = 0.0;
@@ -240,6 +277,17 @@ double path_length(const std::vector<Pose2>& poses) {
     if (step < 0.02) continue;
     length += step;
     last = p;
+  }
+  return length;
+}
+
+double path_length(const SlamResult& result) {
+  const std::vector<Pose2> poses = result.trajectory();
+  double length = 0.0;
+  for (std::size_t s = 0; s < result.sessions.size(); ++s) {
+    const auto begin = poses.begin() + result.sessions[s].first_scan;
+    const auto end = s + 1 < result.sessions.size() ? poses.begin() + result.sessions[s + 1].first_scan : poses.end();
+    length += path_length(std::vector<Pose2>(begin, end));
   }
   return length;
 }
@@ -258,6 +306,7 @@ FileSet slam_output(const std::string& folder, const SlamResult& result, const S
   files.add("map.yaml", format_map_yaml(result.map, "map.pgm"));
   files.add("map.png", format_png(result.map, paints_of(result.map, result.glass)));
   Json summary = summary_of(result, run);
+  add_verdict(result, summary);
   summary["inputs"] = inputs_of(result, run);
   summary["glass"] = glass_summary(result.glass, run.glass_blocks);
   files.add("report.html", report_of(result, run, summary));

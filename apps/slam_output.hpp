@@ -21,6 +21,7 @@ struct SlamInput {
   std::vector<std::int64_t> lines;                ///< of its scans
   std::map<std::string, std::size_t> damages;     ///< of the reader, by kind
   std::uint64_t tracked = 0, usable = 0, new_segments = 0;
+  std::string state;  ///< the saved run that it came with, where several were merged; not saved
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -99,7 +100,12 @@ FileSet slam_output(const std::string& folder, const SlamResult& result, const S
 /// What an earlier run left in more of such folders goes. @throws SystemError
 void write_parts(const std::string& folder, const SlamResult& result, const SlamRun& run);
 
+/// "doubtful: kind: what": the verdict with its strongest reason, where it has one.
+std::string verdict_text(const SlamResult& result);
+
 /// Length of a way [m].
 double path_length(const std::vector<Pose2>& poses);
+/// That of all drives; from one to the next nobody drove.
+double path_length(const SlamResult& result);
 
 }  // namespace phasescan::app

@@ -55,3 +55,11 @@ endif()
 if(PHASESCAN_COMPLETE)
   find_package(PNG REQUIRED)
 endif()
+
+# The server of `live --serve`: Boost.Beast, headers alone.
+if(PHASESCAN_COMPLETE)
+  find_path(BOOST_BEAST_INCLUDE_DIR boost/beast/websocket.hpp)
+  if(NOT BOOST_BEAST_INCLUDE_DIR)
+    message(STATUS "Boost.Beast (libboost-dev) was not found: this build has no `live --serve`")
+  endif()
+endif()

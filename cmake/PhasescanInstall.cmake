@@ -1,9 +1,10 @@
-# Relocatable install: find_package(phasescan COMPONENTS match fft_icp slam io live) and a phasescan-<component>.pc for each.
+# Relocatable install: find_package(phasescan COMPONENTS match fft_icp slam localize io live) and a phasescan-<component>.pc for each.
 # A component brings its library, its headers and the names of its own dependencies.
 include(CMakePackageConfigHelpers)
 set(headers_match core scan match)
 set(headers_fft_icp fft_icp)
 set(headers_slam odometry map slam)
+set(headers_localize localize)
 set(headers_io io)
 set(headers_live live)
 
@@ -17,6 +18,8 @@ if(PHASESCAN_FFT STREQUAL "kiss")
 endif()
 set(requires_slam "phasescan-match zlib libzstd")
 set(libs_slam "-lceres -lglog")
+set(requires_localize "phasescan-slam libhwy")
+set(libs_localize "")
 set(requires_io "phasescan-match yaml-cpp zlib sqlite3 liblz4 libzstd fmt")
 set(libs_io "-lbz2")
 set(requires_live "phasescan-slam phasescan-io libserialport")
@@ -24,6 +27,7 @@ set(libs_live "-pthread")
 set(about_match "2-D scan matching with no first guess")
 set(about_fft_icp "2-D scan matching by FFT and ICP")
 set(about_slam "2-D lidar odometry, loops, pose graph and maps")
+set(about_localize "The pose of a 2-D lidar on a map that is known, with no guess")
 set(about_io "Readers and writers of 2-D lidar logs")
 set(about_live "Plugged-in 2-D lidars: bytes to scans, ports, maps while they grow")
 

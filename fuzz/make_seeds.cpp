@@ -6,7 +6,10 @@
 
 #include "io/ros_encode.hpp"
 #include "live/streams.hpp"
+#include "phasescan/slam/state.hpp"
 #include "support/ros_fixture.hpp"
+#include "support/sealed_state.hpp"
+#include "support/toy_world.hpp"
 
 namespace {
 
@@ -158,6 +161,43 @@ void write_live(const std::string& root) {
   }
 }
 
+/// Saved runs, not packed: of two drives, in bounded memory, two that were merged, and one that has hardly begun.
+void write_states(const std::string& root) {
+  using namespace phasescan;
+  const auto walls = testing::two_rooms();
+  const auto tour = testing::toy_tour(0.5, 0.5, 1.5);
+  const auto save = [&](const std::string& name, const SlamState& state, const SlamOptions& options) {
+    write(root + "/state", name, testing::unpacked_file(encode_state({state, options, {{"slam", "a note"}}})));
+  };
+  const auto drive = [&](Slam& slam, std::size_t from, std::size_t scans, double start_s) {
+    Random random(from + 1);
+    testing::ToyLidar lidar;
+    lidar.beams = 36;
+    for (std::size_t i = from; i < from + scans; ++i) {
+      const Stamp stamp = stamp_from_seconds(start_s + 0.5 * static_cast<double>(i - from));
+      RangeMeasurement measurement{testing::toy_scan(walls, tour[i], lidar, random, stamp)};
+      measurement.T_odom_base = tour[i];
+      slam.add(measurement);
+    }
+  };
+  SlamOptions bounded;
+  bounded.slam.bounded_memory = true;
+  for (const bool small : {false, true}) {
+    const SlamOptions options = small ? bounded : SlamOptions{};
+    Slam slam(options);
+    drive(slam, 0, 10, 1.0);
+    slam.begin_session();
+    drive(slam, 6, 6, 500.0);
+    save(small ? "bounded" : "two-drives", slam.checkpoint(), options);
+  }
+  Slam one, other, begun;
+  drive(one, 0, 8, 1.0);
+  drive(other, 4, 8, 500.0);
+  drive(begun, 0, 1, 1.0);
+  save("merged", merge_states({one.checkpoint(), other.checkpoint()}, {}).state, {});
+  save("begun", begun.checkpoint(), {});
+}
+
 std::string frame_of(bool binary, const std::string& bytes) {
   return std::string(1, binary ? '\1' : '\0') + static_cast<char>(bytes.size() & 255) +
          static_cast<char>(bytes.size() >> 8) + bytes;
@@ -196,5 +236,6 @@ int main(int argc, char** argv) {
   write_messages(root);
   write_match(root);
   write_live(root);
+  write_states(root);
   write_foxglove(root);
 }

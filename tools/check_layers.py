@@ -23,23 +23,25 @@ odometry     core state scan match refine
 graph        core
 map          core scan
 slam         core state scan match odometry graph map
+localize     core scan match odometry map slam
 io           core scan
 live         core scan match odometry map slam io
 sim          core scan io
 emulate      core scan io live sim
-ros2         core scan map slam odometry io
+ros2         core scan map slam odometry localize io
 dds          core scan map slam odometry io live ros2
 calibrate    core scan io sim
-config       core methods io match fft_icp slam
+config       core methods io match fft_icp slam localize
 output       core scan map match methods slam io
-report       core scan match map slam output io
-foxglove     core scan io
-eval         core scan match fft_icp methods odometry slam sim config output report io
+report       core scan match map slam localize output io
+serve        core scan map odometry slam localize io live output
+foxglove     core scan map slam localize io live serve
+eval         core scan match fft_icp methods odometry slam localize sim config output report io
 """
 # Around the core: tests of any folder may use these to make and read their inputs.
 TOOLS = {"io", "sim", "config", "output", "eval"}
 # What stands on top of all and is included by nothing but itself.
-TOP = ["apps", "bench", "bindings", "fuzz", "tests/apps", "tests/interop", "tests/simd", "tests/slow", "tests/slow_io", "tests/package",
+TOP = ["apps", "bench", "bindings", "fuzz", "tests/apps", "tests/interop", "tests/simd", "tests/ros2_shell", "tests/slow", "tests/slow_io", "tests/package",
        "tests/support"]
 INCLUDE = re.compile(r'#\s*include "([^"]+)"')
 

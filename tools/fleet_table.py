@@ -28,6 +28,7 @@ SEED, SCANS_S, NEAR_M = 5000, 55.0, 2.0
 
 
 def make_logs(folder, kinds, each):
+    folder.mkdir(exist_ok=True)
     for world, kind in enumerate(kinds):
         for k in range(each):
             path = folder / f"{world:03d}-{k}.jsonl"
@@ -101,7 +102,7 @@ def joint_table(folder, out, groups):
         many += 1
         estimate = np.loadtxt(out / group["map"].replace("map.yaml", "trajectory.tum"))
         summary = json.loads((out / group["map"].replace("map.yaml", "summary.json")).read_text())
-        truth = np.concatenate([truth_of(entry["log"]) for entry in summary["inputs"]])
+        truth = np.concatenate([truth_of(folder / entry["log"]) for entry in summary["inputs"]])
         if len(estimate) != len(truth):
             sys.exit(f"{group['map']}: {len(estimate)} poses of {len(truth)} scans")
         stamps = np.arange(len(truth), dtype=float)  # drives overlap in time: poses pair by their number

@@ -1,4 +1,5 @@
 """The SLAM tables of docs/RESULTS.md, from the results.json files of scripts/slam_results."""
+import verdict_runs
 
 
 def number(value, digits):
@@ -106,5 +107,10 @@ def retrieval(rows, _):
                      "wrong and verified"], table, 0)
 
 
-KINDS = {"slam-relations": relations, "slam-relation-noise": relation_noise, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same, "slam-glass": glass, "slam-sparse": sparse,
+def verdict(rows, _):
+    header, table = verdict_runs.table(rows)
+    return markdown(header, table, 1)
+
+
+KINDS = {"slam-verdict": verdict, "slam-relations": relations, "slam-relation-noise": relation_noise, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same, "slam-glass": glass, "slam-sparse": sparse,
          "slam-retrieval": retrieval, "slam-memory": memory}

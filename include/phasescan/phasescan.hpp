@@ -11,6 +11,9 @@
 #include "phasescan/slam/slam.hpp"          // IWYU pragma: export
 #include "phasescan/slam/state.hpp"         // IWYU pragma: export
 #endif
+#if __has_include("phasescan/localize/localizer.hpp")
+#include "phasescan/localize/localizer.hpp"  // IWYU pragma: export
+#endif
 #if __has_include("phasescan/io/log.hpp")
 #include "phasescan/io/log.hpp"  // IWYU pragma: export
 #endif

@@ -8,13 +8,14 @@ cd "$ROOT"
 PACKAGES=(build-essential cmake ninja-build pkg-config ccache git
   libeigen3-dev libfftw3-dev libkissfft-dev libnanoflann-dev libceres-dev libhwy-dev
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libyaml-cpp-dev
-  zlib1g-dev liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev libpng-dev libserialport-dev cyclonedds-dev
+  zlib1g-dev liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev libpng-dev libserialport-dev libboost-dev cyclonedds-dev
   python3-dev python3-numpy pybind11-dev)
 TEST_PACKAGES=(clang-14 clang-format-14 libclang-rt-14-dev libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
   python3 python3-pytest python3-matplotlib python3-distributed python3-pip python3-setuptools python3-venv python3-wheel mypy python3-pil python3-rosbag librsvg2-bin libfastrtps-dev libfastcdr-dev valgrind groff-base chromium)
 command -v npm >/dev/null || TEST_PACKAGES+=(nodejs npm)
-# Independent readers of MCAP and ROS 2 messages, for tests/interop, and what drives Chromium, for tests/browser.
-INTEROP_MODULES=(puppeteer-core@22.15.0 @mcap/core@2.2.2 @foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 @foxglove/wasm-zstd@1.0.1 @foxglove/rosmsg-msgs-common@3.2.3)
+# Independent readers of MCAP and ROS 2 messages and a client of the Foxglove protocol, for tests/interop, and what drives Chromium, for tests/browser.
+INTEROP_MODULES=(puppeteer-core@22.15.0 @mcap/core@2.2.2 @foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 @foxglove/wasm-zstd@1.0.1
+  @foxglove/rosmsg-msgs-common@3.2.3 @foxglove/ws-protocol@0.8.0 ws@8.23.0)
 
 say() { printf '\n== %s\n' "$*"; }
 
@@ -37,8 +38,11 @@ install_missing() {
 
 # install_interop: the npm packages of tests/interop and tests/browser into build/interop, once. Without a network those tests are skipped.
 install_interop() {
-  [ -d "$ROOT/build/interop/node_modules/@mcap/core" ] && [ -d "$ROOT/build/interop/node_modules/puppeteer-core" ] &&
-    [ -d "$ROOT/build/interop/node_modules/@foxglove/rosmsg-msgs-common" ] && return 0
+  local module missing=0
+  for module in @mcap/core @foxglove/ws-protocol @foxglove/rosmsg-msgs-common ws puppeteer-core; do
+    [ -d "$ROOT/build/interop/node_modules/$module" ] || missing=1
+  done
+  [ "$missing" = 0 ] && return 0
   say "Installing ${INTEROP_MODULES[*]} into build/interop"
   npm install --silent --no-audit --no-fund --prefix "$ROOT/build/interop" "${INTEROP_MODULES[@]}" ||
     echo "phasescan: npm could not install them; the tests with @mcap/core and Chromium are skipped" >&2

@@ -6,6 +6,7 @@
 
 #include "config/option_table.hpp"
 #include "methods/any_options.hpp"
+#include "phasescan/localize/options.hpp"
 #include "phasescan/slam/options.hpp"
 
 namespace phasescan {
@@ -14,6 +15,7 @@ namespace phasescan {
 struct Config {
   AnyMatchOptions match;
   SlamOptions slam;
+  LocalizeOptions localize;
   std::vector<std::string> sections_set;  ///< those that the file names
 
   /// Calls v(section_name, section_struct) for every section, in the order of `config --dump`.
@@ -21,6 +23,7 @@ struct Config {
   static void visit_sections(Self& self, Visitor&& v) {
     AnyMatchOptions::visit_sections(self.match, v);
     SlamOptions::visit_sections(self.slam, v);
+    v("localize", self.localize);
   }
 };
 

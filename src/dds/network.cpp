@@ -66,8 +66,10 @@ std::string cyclone_configuration(const Network& network, const std::string& cyc
   std::string peers;
   for (const std::string& peer : network.peers) peers += "<Peer address=\"" + peer + "\"/>";
   std::string general, discovery;
-  // Without multicast each host's participants are asked at the ports that their numbers give.
+  // Without multicast each host is asked at the ports that its participants' numbers give, once a second: one that
+  // comes later is found at once.
   const std::string by_number =
+      "<SPDPInterval>1s</SPDPInterval>"
       "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>";
   if (network.reach == Reach::kLocalhost) {
     general =

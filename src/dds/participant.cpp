@@ -9,6 +9,7 @@
 
 #include "dds/raw_type.hpp"
 #include "phasescan/io/error.hpp"
+#include "ros2/type_hash.hpp"
 
 namespace phasescan::dds {
 namespace {
@@ -17,7 +18,7 @@ struct QosFree {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
 };
 
-std::unique_ptr<dds_qos_t, QosFree> dds_qos(const ros2::Qos& qos) {
+std::unique_ptr<dds_qos_t, QosFree> dds_qos(const ros2::Qos& qos, std::string_view type) {
   constexpr std::int64_t kLongestWait = DDS_MSECS(100);
   std::unique_ptr<dds_qos_t, QosFree> out(dds_create_qos());
   dds_qset_reliability(out.get(), qos.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, kLongestWait);
@@ -29,6 +30,9 @@ std::unique_ptr<dds_qos_t, QosFree> dds_qos(const ros2::Qos& qos) {
   }
   const dds_data_representation_id_t xcdr1 = DDS_DATA_REPRESENTATION_XCDR1;
   dds_qset_data_representation(out.get(), 1, &xcdr1);
+  // Newer distributions look for it there, and warn of a type that has none.
+  const std::string hash = "typehash=" + std::string(ros2::type_hash(type)) + ";";
+  dds_qset_userdata(out.get(), hash.data(), hash.size());
   return out;
 }
 
@@ -104,12 +108,12 @@ int Participant::topic_entity(std::string_view topic, std::string_view type) {
 
 RawWriter Participant::raw_writer(std::string_view topic, std::string_view type, const ros2::Qos& qos) {
   const int at = topic_entity(topic, type);
-  return RawWriter(checked(dds_create_writer(participant_, at, dds_qos(qos).get(), nullptr), name_));
+  return RawWriter(checked(dds_create_writer(participant_, at, dds_qos(qos, type).get(), nullptr), name_));
 }
 
 RawReader Participant::raw_reader(std::string_view topic, std::string_view type, const ros2::Qos& qos, bool own) {
   const int at = topic_entity(topic, type);
-  const auto asked = dds_qos(qos);
+  const auto asked = dds_qos(qos, type);
   if (!own) dds_qset_ignorelocal(asked.get(), DDS_IGNORELOCAL_PARTICIPANT);
   const int reader = checked(dds_create_reader(participant_, at, asked.get(), nullptr), name_);
   const int condition = checked(dds_create_readcondition(reader, DDS_ANY_STATE), name_);

@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -13,6 +14,7 @@
 
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
+#include "io/leftovers.hpp"
 
 namespace phasescan {
 namespace {
@@ -70,10 +72,31 @@ class UnfinishedFiles {
 };
 constinit UnfinishedFiles unfinished{};
 
+/// How the temporary files of a target begin; the process and a number follow.
+std::string temporary_prefix(const std::string& target) {
+  return "." + std::filesystem::path(target).filename().string().substr(0, 200) + ".tmp";
+}
+
 }  // namespace
 
 void drop_unfinished_files() noexcept {
   unfinished.drop();
+}
+
+void drop_leftovers(const std::string& path) noexcept {
+  try {
+    const std::string prefix = temporary_prefix(path);
+    for (const auto& entry : std::filesystem::directory_iterator(folder_of(path))) {
+      const std::string name = entry.path().filename().string();
+      int process = 0, number = 0, end = 0;
+      if (!name.starts_with(prefix)) continue;
+      const char* rest = name.c_str() + prefix.size();
+      if (std::sscanf(rest, "%d-%d%n", &process, &number, &end) != 2 || rest[end] != '\0' || process <= 0) continue;
+      if (::kill(process, 0) != 0 && errno == ESRCH) ::unlink(entry.path().c_str());
+    }
+  } catch (const std::exception&) {
+    return;
+  }
 }
 
 struct AtomicFile::Handle {
@@ -121,9 +144,8 @@ AtomicFile::AtomicFile(const std::string& path) : handle_(std::make_unique<Handl
     if (h.fd < 0) refuse(path, "cannot be written", errno);
   } else {
     static std::atomic<unsigned> counter{0};
-    const std::string name = std::filesystem::path(h.target).filename().string();
-    const std::string temporary = folder_of(h.target) + "/." + name.substr(0, 200) + ".tmp" +
-                                  std::to_string(::getpid()) + "-" + std::to_string(counter++);
+    const std::string temporary = folder_of(h.target) + "/" + temporary_prefix(h.target) + std::to_string(::getpid()) +
+                                  "-" + std::to_string(counter++);
     h.slot = unfinished.add(temporary);
     h.fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (h.fd < 0) {

@@ -1,6 +1,7 @@
 #include "io/growing_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -14,8 +15,17 @@ namespace phasescan {
 
 GrowingFile::GrowingFile(const std::string& path) : path_(path) {
   if (path.empty()) throw InputError("''", 0, "the file name is empty; expected a file to write");
-  fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (fd_ >= 0) return;
+  fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  struct stat info {};
+  if (fd_ >= 0 && ::fstat(fd_, &info) == 0 && S_ISREG(info.st_mode)) {
+    if (info.st_size == 0) return;
+    ::close(std::exchange(fd_, -1));
+    throw SystemError(path, "is there already; it is not written over");
+  }
+  if (fd_ >= 0) {
+    ::close(std::exchange(fd_, -1));
+    throw InputError(path, 0, "is no regular file; expected one that can be read while it grows");
+  }
   if (errno == ENOENT || errno == ENOTDIR)
     throw InputError(path, 0, "its folder does not exist; expected an existing folder");
   throw SystemError(path, std::string("cannot be written: ") + std::strerror(errno));
@@ -55,7 +65,10 @@ std::string free_name(const std::string& path) {
   const std::filesystem::path given(path);
   std::string name = path;
   std::error_code ignored;
-  for (int k = 2; std::filesystem::exists(std::filesystem::symlink_status(name, ignored)); ++k) {
+  const auto taken = [&ignored](const std::string& file) {
+    return std::filesystem::is_regular_file(file, ignored) && std::filesystem::file_size(file, ignored) > 0;
+  };
+  for (int k = 2; taken(name); ++k) {
     std::filesystem::path next = given;
     next.replace_filename(given.stem().string() + "-" + std::to_string(k) + given.extension().string());
     name = next.string();

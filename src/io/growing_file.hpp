@@ -8,11 +8,11 @@
 namespace phasescan {
 
 /// Bytes are in the system's hands when `write` returns: a kill takes none of them back, a power cut those that the
-/// system has not put on the disk yet. Never writes over a file that is there.
+/// system has not put on the disk yet. Never writes over a file that holds anything.
 class GrowingFile {
  public:
-  /// Makes the file. @throws InputError where its folder does not exist, SystemError where the folder takes no file or
-  /// there is a file of that name
+  /// Makes the file, or takes an empty one. @throws InputError where its folder does not exist or it is no regular
+  /// file, SystemError where the folder takes no file or there is something in it
   explicit GrowingFile(const std::string& path);
   ~GrowingFile();
   GrowingFile(GrowingFile&& other) noexcept;
@@ -31,7 +31,8 @@ class GrowingFile {
   std::uint64_t size_ = 0;
 };
 
-/// The name itself where there is no such file yet, else NAME-2.EXT, NAME-3.EXT, ...: the first that is free.
+/// The name itself where there is no such file yet or an empty one, else NAME-2.EXT, NAME-3.EXT, ...: the first that is
+/// free.
 std::string free_name(const std::string& path);
 
 }  // namespace phasescan

@@ -35,6 +35,7 @@ class BoundedQueue {
     if (values_.empty()) return std::nullopt;
     T value = std::move(values_.front());
     values_.pop_front();
+    emptied_.notify_one();
     return value;
   }
 
@@ -46,6 +47,7 @@ class BoundedQueue {
     if (values_.empty()) return std::nullopt;
     T value = std::move(values_.front());
     values_.pop_front();
+    emptied_.notify_one();
     return value;
   }
 
@@ -57,6 +59,12 @@ class BoundedQueue {
   bool ended() const {
     const std::lock_guard lock(mutex_);
     return closed_ && values_.empty();
+  }
+
+  /// Waits a while for room; whether there is some.
+  bool wait_for_room(std::chrono::milliseconds longest) {
+    std::unique_lock lock(mutex_);
+    return emptied_.wait_for(lock, longest, [this] { return closed_ || values_.size() < most_; });
   }
 
   /// Nothing more comes. What is in it can still be taken.
@@ -76,7 +84,7 @@ class BoundedQueue {
  private:
   const std::size_t most_;
   mutable std::mutex mutex_;
-  std::condition_variable filled_;
+  std::condition_variable filled_, emptied_;
   std::deque<T> values_;
   std::uint64_t dropped_ = 0;
   bool closed_ = false;

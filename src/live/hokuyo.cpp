@@ -16,6 +16,7 @@ namespace phasescan::live {
 namespace {
 
 constexpr std::size_t kLongestLine = 128;  // of text: echoes and parameters; data lines have 65
+constexpr char kHole = '\0';
 constexpr std::size_t kMostBlock = 32768;  // 1,440 steps of range and intensity are 9 kB
 
 std::string_view text_of(Bytes bytes) {
@@ -93,24 +94,29 @@ class HokuyoDecoder final : public StreamDecoder {
     return true;
   }
 
-  /// The data of a block: a stamp, and what the lines hold joined. False where a sum is wrong.
-  bool join(std::string_view rest, std::uint32_t& ms) {
+  /// The data of a block: a stamp, and what its lines hold joined. Each line has a sum of its own: one that is wrong
+  /// leaves a hole. False where the stamp is wrong, where lines have other lengths than the ranges asked for make them,
+  /// or where most are wrong.
+  bool join(std::string_view rest, std::size_t characters, std::uint32_t& ms) {
     data_.clear();
-    bool first = true;
-    while (!rest.empty()) {
-      std::string_view line = next_line(rest);
-      if (line.empty()) break;
-      if (line.size() < 2 || scip::line_sum(line.substr(0, line.size() - 1)) != line.back()) return false;
-      line.remove_suffix(1);
-      for (const char c : line) {
-        if (c < 0x30 || c > 0x6F) return false;
-      }
-      if (first && line.size() != 4) return false;
-      if (first) ms = scip::number(line);
-      if (!first) data_ += line;
-      first = false;
+    const auto is_right = [](std::string_view line) {
+      const std::string_view text = line.substr(0, line.size() - 1);
+      const bool plain = std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x30 && c <= 0x6F; });
+      return plain && scip::line_sum(text) == line.back();
+    };
+    const std::string_view stamp = next_line(rest);
+    if (stamp.size() != 5 || !is_right(stamp)) return false;
+    ms = scip::number(stamp.substr(0, 4));
+    std::size_t lost = 0;
+    while (data_.size() < characters) {
+      const std::string_view line = next_line(rest);
+      const std::size_t size = std::min(scip::kLine, characters - data_.size());
+      if (line.size() != size + 1) return false;
+      const bool right = is_right(line);
+      if (!right) lost += size;
+      right ? data_.append(line.substr(0, size)) : data_.append(size, kHole);
     }
-    return !first;
+    return next_line(rest).empty() && 2 * lost <= characters;
   }
 
   bool take_scan(std::string_view echo, std::string_view rest, const PacketTime& time, Decoded& out) {
@@ -118,19 +124,22 @@ class HokuyoDecoder final : public StreamDecoder {
     const auto to = from ? whole(echo.substr(6, 4)) : std::nullopt;
     const auto cluster = to ? whole(echo.substr(10, 2)) : std::nullopt;
     std::uint32_t ms = 0;
-    if (!cluster || *from < 0 || *to < *from || !join(rest, ms)) return false;
-    if (steps_ <= 0) return true;  // the answer to PP is still to come: no direction is known
+    if (!cluster || *from < 0 || *to < *from) return false;
     const int step = std::max(1, *cluster);
     const bool strengths = echo[1] == 'E';
     const std::size_t width = echo[1] == 'S' ? 2 : 3, stride = strengths ? 2 * width : width;
     const auto expected = static_cast<std::size_t>((*to - *from) / step + 1);
-    if (data_.size() != expected * stride) return false;
+    if (expected * stride > kMostBlock || !join(rest, expected * stride, ms)) return false;
+    if (steps_ <= 0) return true;  // the answer to PP is still to come: no direction is known
     const double step_s = turn_s_ / steps_;
     const double elapsed = known_ ? 1e-3 * ((ms - last_ms_) & 0xFFFFFF) : -1.0;
     known_ = true;
     last_ms_ = ms;
     const Stamp end = clock_.at(time.first, elapsed);
+    const std::size_t before = out.beams.size();
     for (std::size_t k = 0; k < expected; ++k) {
+      // Those in holes are left out: who makes turns of beams sees where they are missing.
+      if (std::string_view(data_).substr(k * stride, stride).find(kHole) != std::string_view::npos) continue;
       const double at = *from + step * static_cast<double>(k);
       Beam beam;
       beam.sweep = std::fmod(at * kTwoPi / steps_, kTwoPi);
@@ -140,9 +149,11 @@ class HokuyoDecoder final : public StreamDecoder {
       if (strengths)
         beam.intensity = static_cast<float>(scip::number(std::string_view(data_).substr(k * stride + width, width)));
       beam.stamp = end - stamp_from_seconds((*to + 0.5 - at) * step_s);
-      if (k == 0) beam.mark = TurnMark::kStarts;
-      beam.ends_turn = k + 1 == expected;
       out.beams.push_back(beam);
+    }
+    if (out.beams.size() > before) {
+      out.beams[before].mark = TurnMark::kStarts;
+      out.beams.back().ends_turn = true;
     }
     return true;
   }

@@ -5,11 +5,13 @@
 #include <optional>
 #include <utility>
 
+#include "phasescan/core/time.hpp"
+
 namespace phasescan::live {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr int kRest = 9;  // times as long as drawing took
+constexpr double kRest = 9.0;  // times as long as drawing took
 
 }  // namespace
 
@@ -48,12 +50,12 @@ void MapDrawer::work() {
       map = offered_;
       stamp = stamp_;
     }
-    const auto begin = Clock::now();
+    const double begin_s = thread_cpu_seconds();
     drawn_(stamp, std::make_shared<const TrinaryMap>(map->draw()));
     drawn_version = map->version();
-    const auto end = Clock::now();
-    next = end + std::max(kRest * (end - begin),
-                          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(every_s_)));
+    // Of this thread's own work: a busy machine is no reason to draw less.
+    const double rest_s = std::max(kRest * (thread_cpu_seconds() - begin_s), every_s_);
+    next = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(rest_s));
   }
 }
 

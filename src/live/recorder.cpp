@@ -22,7 +22,9 @@ Recorder::Recorder(const std::string& path, std::function<void(const std::string
     : path_(free_name(path)), tell_(std::move(tell)), file_(GrowingFile(path_)), queue_(kWaiting) {
   if (path_ != path) tell_(path + " is there already; recording to " + path_);
   thread_ = std::thread([this] { work(); });
-  drawer_.emplace(kMap_s, [this](Stamp stamp, const DrawnMap& map) { queue_.push({{}, map_message(stamp, *map)}); });
+  drawer_.emplace(kMap_s, [this](Stamp stamp, const DrawnMap& map) {
+    if (!map->cells.empty()) queue_.push({{}, map_message(stamp, *map)});
+  });
 }
 
 Recorder::~Recorder() {
@@ -59,26 +61,30 @@ void Recorder::guarded(const std::function<void()>& writing) {
   }
 }
 
-void Recorder::write(const Item& item) {
+bool Recorder::write(const Item& item) {
   if (item.map) file_.add(item.map->topic, item.map->type, item.map->stamp, item.map->bytes);
-  if (!item.live) return;
+  if (!item.live || item.live->update.repeated) return false;
   for (const RosMessage& message : view_.of(*item.live))
     file_.add(message.topic, message.type, message.stamp, message.bytes);
   ++scans_;
-  if (steady_ns() < path_due_ns_) return;
+  if (steady_ns() < path_due_ns_) return true;
   path_due_ns_ = steady_ns() + kPath_ns;
   const RosMessage path = path_message(*item.live);
   file_.add(path.topic, path.type, path.stamp, path.bytes);
+  return true;
 }
 
 void Recorder::work() {
+  // The first scan is written at once, what follows in pieces: there is never more than a piece to lose.
   std::int64_t due_ns = steady_ns();
+  bool waiting = false;
   while (!queue_.ended()) {
     const auto item = queue_.pop_within(std::chrono::milliseconds(100));
     guarded([&] {
-      if (item) write(*item);
-      if (steady_ns() < due_ns) return;
+      if (item && write(*item)) waiting = true;
+      if (!waiting || steady_ns() < due_ns) return;
       file_.flush();
+      waiting = false;
       due_ns = steady_ns() + kFlush_ns;
     });
   }

@@ -50,7 +50,7 @@ class Recorder {
     std::optional<RosMessage> map;
   };
   void work();
-  void write(const Item& item);
+  bool write(const Item& item);  ///< true: a scan; a map waits for the next one
   void guarded(const std::function<void()>& writing);
 
   std::string path_;

@@ -49,12 +49,24 @@ class SensorSource final : public LiveSource {
         away_ = true;
       }
     }
+    if (raw_failure_) throw *raw_failure_;
     if (raw_) raw_->commit();
   }
 
  private:
   std::unique_ptr<Port> open() const {
     return file_ ? open_raw(name_, bytes_per_second(model_)) : open_port(name_, model_.baud);
+  }
+
+  /// Where the disk is full tracking goes on.
+  void keep(std::span<const std::uint8_t> bytes, Stamp now, const std::function<void(const std::string&)>& tell) {
+    try {
+      raw_->write(bytes, now);
+    } catch (const SystemError& error) {
+      raw_failure_ = error;
+      raw_.reset();
+      tell(std::string(error.what()) + "; bytes are kept no more, tracking goes on");
+    }
   }
 
   bool reopen(const std::function<void(const std::string&)>& tell) {
@@ -94,7 +106,7 @@ class SensorSource final : public LiveSource {
       const std::size_t n = port_->read(bytes, kWait_ms);
       const Stamp now = system_ns();
       const std::int64_t arrived = steady_ns();
-      if (n > 0 && raw_) raw_->write({bytes.data(), n}, now);
+      if (n > 0 && raw_) keep({bytes.data(), n}, now, tell);
       decoded.clear();
       decoder->feed({bytes.data(), n}, now, decoded);
       order([&](Orders& orders) {
@@ -143,6 +155,7 @@ class SensorSource final : public LiveSource {
   SensorModel model_;
   bool file_, away_ = false;
   std::optional<RawWriter> raw_;
+  std::optional<SystemError> raw_failure_;
   std::unique_ptr<Port> port_;
 };
 

@@ -3,6 +3,7 @@
 #include "live/sick.hpp"
 
 #include <algorithm>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -60,11 +61,29 @@ class SickDecoder final : public StreamDecoder {
     }
     try {
       const SickTelegram telegram = read_sick_telegram(words_, model().zero_deg);
+      if (!usual()) return false;
       if (telegram.layer == 0) put(telegram, time, out);
       return true;
     } catch (const BadTelegram&) {
       return false;
     }
+  }
+
+  /// The text has no check of its own. A wrong byte in a value is a wrong value, but one that makes two values of one,
+  /// or is in what says where all beams lie, would spoil the whole scan: a sensor sends the same number of words with
+  /// the same scale and angles each time. Others count once they come twice.
+  bool usual() {
+    constexpr std::size_t kHead = 6;  // DIST1, scale, offset, start, step, count
+    std::string form = std::to_string(words_.size());
+    const auto ranges =
+        std::find_if(words_.begin(), words_.end(), [](std::string_view word) { return word.starts_with("DIST"); });
+    for (auto at = ranges; at != words_.end() && at < ranges + kHead; ++at) form.append(" ").append(*at);
+    if (form_.empty() || form == form_ || form == other_form_) {
+      form_ = std::move(form);
+      return true;
+    }
+    other_form_ = std::move(form);
+    return false;
   }
 
   void put(const SickTelegram& telegram, const PacketTime& time, Decoded& out) {
@@ -89,6 +108,7 @@ class SickDecoder final : public StreamDecoder {
   }
 
   std::vector<std::string_view> words_;
+  std::string form_, other_form_;  // of the telegrams taken, and of the last that was not
   bool known_ = false;
   std::uint32_t last_us_ = 0;
 };

@@ -13,6 +13,8 @@ namespace {
 constexpr double kStepsPerUnit = 20.0;
 constexpr int kNeighbourBeams = 5;
 constexpr double kMissingShare = 0.8;
+constexpr double kSureLogOdds =
+    1.4;  // a probability of 0.8: a free cell of make_trinary, and more than an occupied one
 
 int floor_div(int a, int b) {
   return a >= 0 ? a / b : -((-a + b - 1) / b);
@@ -178,6 +180,19 @@ void OccupancyGrid::add_scan(const Scan& scan, const Pose2& T_map_laser, const T
          });
   }
   for (const auto& [i, k] : hits) change(i, k, hit_);
+}
+
+void OccupancyGrid::update_with(const OccupancyGrid& later) {
+  const int sure = static_cast<int>(std::lround(kSureLogOdds * kStepsPerUnit));
+  for (const auto& [at, known] : later.tiles_) {
+    Tile& here = tile(at.first, at.second);
+    for (std::size_t c = 0; c < here.size(); ++c) {
+      if ((*known)[c] == kUnknown) continue;
+      const int now = (*known)[c], before = here[c] == kUnknown ? 0 : here[c];
+      const int kept = before * std::max(0, sure - std::abs(now)) / sure;
+      here[c] = static_cast<std::int8_t>(std::clamp(kept + now, -clamp_, clamp_));
+    }
+  }
 }
 
 OccupancyGrid::Bounds OccupancyGrid::bounds() const {

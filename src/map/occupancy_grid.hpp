@@ -33,6 +33,10 @@ class OccupancyGrid {
   /// @param twist        motion of the laser during the turn, for scans with a time_increment
   void add_scan(const Scan& scan, const Pose2& T_map_laser, const Twist2& twist = {});
 
+  /// Takes in what a later drive saw. What was known of a cell fades by as much as the later drive knows of it: where
+  /// that alone makes a cell free or occupied, nothing is left. @param later  of the same resolution
+  void update_with(const OccupancyGrid& later);
+
   /// Log-odds of a cell; 0 where nothing is known.
   double log_odds(int i, int k) const;
   bool known(int i, int k) const { return cell(i, k) != kUnknown; }

@@ -37,7 +37,15 @@ double weight_beside_best(const SearchOutcome& outcome, std::size_t k);
 /// Covariance of the error of (x, y, theta) in the reference frame: wide along what the surfaces leave open; where the
 /// pose does not slide and others tie with it, as wide as they lie apart (a mixture of them). Capped at 1e6. Along a
 /// corridor its half-turn twin is left out: it would hide how well the pose is known across.
+/// As the noise of the ranges alone leaves it.
 /// @source [Censi07]
-Eigen::Matrix3d covariance_of(const SearchOutcome& outcome);
+Eigen::Matrix3d noise_covariance_of(const SearchOutcome& outcome);
+
+/// The same, as wide as the residuals show, with the turn of whole revolutions.
+Eigen::Matrix3d covariance_of(const SearchOutcome& outcome, const Eigen::Matrix3d& noise_covariance);
+
+inline Eigen::Matrix3d covariance_of(const SearchOutcome& outcome) {
+  return covariance_of(outcome, noise_covariance_of(outcome));
+}
 
 }  // namespace phasescan

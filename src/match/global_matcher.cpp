@@ -23,7 +23,8 @@ void judge(const SearchOutcome& outcome, double min_confidence, MatchResult& res
   result.diagnostics.iterations = outcome.refined.iterations;
   result.diagnostics.violation = outcome.evidence.violation / hits;
   result.overlap = std::clamp(outcome.evidence.matched / hits, 0.0, 1.0);
-  result.covariance = covariance_of(outcome);
+  result.diagnostics.noise_covariance = noise_covariance_of(outcome);
+  result.covariance = covariance_of(outcome, result.diagnostics.noise_covariance);
   const ConfidenceFeatures features = confidence_features(outcome);
   result.diagnostics.features.assign(features.value.begin(), features.value.end());
   const double confidence = confidence_of(features);
@@ -53,8 +54,14 @@ GlobalMatcher::GlobalMatcher(const MatchOptions& options, std::unique_ptr<Rotati
   scan_cue_ = proposer_->make_cue();
 }
 
+PrepareOptions GlobalMatcher::prepare_options(bool reference) const {
+  PrepareOptions prepare = search_.prepare_options(reference);
+  prepare.revolution_turn_deg = options_.match.revolution_turn_deg;
+  return prepare;
+}
+
 void GlobalMatcher::prepare_into(const Scan& reference, const Twist2& twist, Reference::Data& out) {
-  prepare_scan(reference, twist, search_.prepare_options(true), work_, out.prepared);
+  prepare_scan(reference, twist, prepare_options(true), work_, out.prepared);
   if (proposer_ != nullptr) proposer_->describe(reference, *out.cue);
 }
 
@@ -87,7 +94,7 @@ MatchResult GlobalMatcher::match_prepared(const Reference::Data& reference, cons
   result.T_ref_scan = hints.guess.value_or(Pose2{});
   result.diagnostics.rotation_source = hints.guess ? RotationSource::kGuess : RotationSource::kNone;
   result.confidence = 0.0;
-  prepare_scan(scan, hints.scan_twist, search_.prepare_options(false), work_, scan_);
+  prepare_scan(scan, hints.scan_twist, prepare_options(false), work_, scan_);
   timer.end_of(&MatchTimes::image);
   const auto least = static_cast<std::size_t>(options_.match.min_points);
   if (reference.prepared.size() >= least && scan_.size() >= least) {

@@ -33,6 +33,7 @@ class GlobalMatcher {
 
  private:
   void prepare_into(const Scan& reference, const Twist2& twist, Reference::Data& out);
+  PrepareOptions prepare_options(bool reference) const;
   MatchResult match_prepared(const Reference::Data& reference, const Scan& scan, const MatchHints& hints,
                              MatchTimer& timer);
   void search(const Reference::Data& reference, const Scan& scan, const MatchHints& hints, MatchTimer& timer);

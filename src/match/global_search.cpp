@@ -222,6 +222,11 @@ void GlobalSearch::settle(const PreparedScan& reference, const PreparedScan& sca
     if (other.score <= best.score + kWorthASlide) break;
     if (attempt + 1 < kSettleAttempts) best.T_ref_scan = other.T_ref_scan;
   }
+  out.residual_covariance = covariance_of_residuals(reference.model(), scan.model(), best.T_ref_scan,
+                                                    {fine.gate_end_m, 0.0, fine.min_normal_cosine}, of_scan,
+                                                    options_.both_ways ? &of_ref : nullptr, refinement_, runs_);
+  out.reference_turn_variance = reference.turn_variance;
+  out.scan_turn_variance = scan.turn_variance;
   if (out.profile < kDoubtfulProfile) {
     // A few hits tell how far along a corridor the sensor is: all of them are asked.
     const Eigen::Vector2d weakest = weakest_direction(out.refined.information);

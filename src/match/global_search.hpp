@@ -41,7 +41,10 @@ inline constexpr double kFlatProfile = 0.01;
 struct SearchOutcome {
   std::vector<Hypothesis> hypotheses;  ///< distinct poses
   PointToLineResult refined;           ///< of the best
-  PoseEvidence evidence;               ///< of the best
+  Eigen::Matrix3d residual_covariance =
+      Eigen::Matrix3d::Zero();  ///< of the best, see covariance_of_residuals; zero: not known
+  double reference_turn_variance = 0.0, scan_turn_variance = 0.0;  ///< of the revolutions as a whole [rad^2]
+  PoseEvidence evidence;                                           ///< of the best
   double margin =
       0.0;  ///< score of the best less that of the next distinct pose; 2 more than the score if there is none
   double profile = 0.0;  ///< least drop of the score a little way along the weakest direction
@@ -85,6 +88,7 @@ class GlobalSearch {
   std::vector<float> at_u_, at_v_;
   CorrelationWindow window_;
   PointToLineWorkspace refinement_;
+  std::vector<NormalEquations> runs_;
   std::vector<Hypothesis> coarse_, kept_, of_guess_;
 };
 

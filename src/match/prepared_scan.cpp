@@ -68,6 +68,17 @@ void level_variances(SurfacePoints& surface) {
   for (SurfacePoint& point : surface.points) point.variance = mean;
 }
 
+// Revolutions of a motor without an encoder do not start at one angle: by 0.1 of the spacing of the beams for RPLidar
+// A1 and 0.06 deg for URG-04LX, at their stops. Scanners that see half a turn (SICK) showed none.
+constexpr double kTurnOfSpacing = 0.12, kLeastTurn_deg = 0.06, kMostViewWithoutTurn_deg = 200.0;
+
+double turn_variance_of(const Scan& scan, double spacing, double stated_deg) {
+  if (stated_deg >= 0.0) return deg_to_rad(stated_deg) * deg_to_rad(stated_deg);
+  if (spacing * static_cast<double>(scan.ranges.size()) < deg_to_rad(kMostViewWithoutTurn_deg)) return 0.0;
+  const double turn = std::max(kTurnOfSpacing * spacing, deg_to_rad(kLeastTurn_deg));
+  return turn * turn;
+}
+
 }  // namespace
 
 void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& options, PrepareWorkspace& work,
@@ -75,6 +86,7 @@ void prepare_scan(const Scan& scan, const Twist2& twist, const PrepareOptions& o
   find_surface(scan, twist, work.surface, out.surface);
   if (!options.noise_weights) level_variances(out.surface);
   out.range_max_m = scan.effective_range_max();
+  out.turn_variance = turn_variance_of(scan, out.surface.spacing, options.revolution_turn_deg);
   out.all.fill(out.surface);
   work.turns.resize(out.all.padded());
   fill_directions(out.all.x.data(), out.all.y.data(), out.all.padded(), work.turns.data());

@@ -19,11 +19,12 @@ struct PreparedScan {
   NearestGrid nearest;
   ScoreTable table;
   NormalHistogram normals;
-  SurfaceBatch sparse;       ///< hits evenly spaced along the surfaces, for the coarse sweep
-  SurfaceBatch middle;       ///< the same, more of them, for refinement and evidence
-  SurfaceBatch all;          ///< every hit
-  double scale_m = 0.0;      ///< size of the place in the eyes of the sensor: sets cells and gates
-  double range_max_m = 0.0;  ///< effective reach of the sensor
+  SurfaceBatch sparse;         ///< hits evenly spaced along the surfaces, for the coarse sweep
+  SurfaceBatch middle;         ///< the same, more of them, for refinement and evidence
+  SurfaceBatch all;            ///< every hit
+  double scale_m = 0.0;        ///< size of the place in the eyes of the sensor: sets cells and gates
+  double range_max_m = 0.0;    ///< effective reach of the sensor
+  double turn_variance = 0.0;  ///< of the revolution as a whole against where it says it points [rad^2]
 
   SurfaceModel model() const { return {surface, nearest, all}; }
   std::size_t size() const { return surface.size(); }
@@ -36,7 +37,8 @@ struct PrepareOptions {
   double min_empty_run_rad = 0.0873;
   bool with_table = true;  ///< the coarse table is needed of the reference only
   bool adaptive_scale = true;
-  bool noise_weights = true;  ///< off: every hit gets the mean variance
+  bool noise_weights = true;          ///< off: every hit gets the mean variance
+  double revolution_turn_deg = -1.0;  ///< standard deviation of a revolution's turn; below 0: from the beams
   ScoreTableValues values;
 };
 

@@ -54,7 +54,7 @@ std::optional<ScanToScan::Found> ScanToScan::find(LastScans& last_scans, const R
   if (!match.usable && match.overlap <= kLeastOverlap) return std::nullopt;
   const Pose2 T_odom_ref = last->T_odom_stamp * T_base_last;
   return Found{T_odom_ref * match.T_ref_scan * T_base_laser.inverse(),
-               rotate_information(match.covariance, T_odom_ref.theta), match.usable,
+               rotate_information(match.diagnostics.noise_covariance, T_odom_ref.theta), match.usable,
                certain && last->certain_share >= kLeastCertainShare};
 }
 

@@ -24,12 +24,14 @@ struct MapPaint {
 /// The same picture as an 8-bit PNG: grey, or RGB where something is painted on it.
 std::string format_png(const TrinaryMap& map, std::span<const MapPaint> paints = {});
 
-/// Reads a yaml of map_server and its image (pgm, P5 or P2, or grey PNG), trinary mode.
+/// Reads a yaml of map_server and its image (pgm, P5 or P2, or PNG); modes trinary, scale and raw.
 ///
 /// p = (255 - g) / 255, or g / 255 with negate; occupied from occupied_thresh on, free up to free_thresh, unknown
-/// between. An unknown pixel of 205 has p = 0.196078: with a free_thresh of 0.25 it reads as free. That is what the
-/// yaml asks for, and what is returned; `unknown_reads_as_free` says so.
-/// @throws InputError (missing keys, an image that is none, nonsense values), SystemError
+/// between. In scale, transparent pixels are unknown; in raw, a pixel is the occupancy in percent, and unknown above
+/// 100. An unknown pixel of 205 has p = 0.196078: with a free_thresh of 0.25 it reads as free. That is what the yaml
+/// asks for, and what is returned; `unknown_reads_as_free` says so.
+/// @throws InputError (missing keys, an image that is none or has more pixels than any map, nonsense values),
+/// SystemError
 TrinaryMap read_map(const std::string& yaml_path, bool* unknown_reads_as_free = nullptr);
 
 }  // namespace phasescan

@@ -73,4 +73,29 @@ PointToLineResult refine_point_to_line(const SurfaceModel& reference, const Surf
   return result;
 }
 
+Eigen::Matrix3d covariance_of_residuals(const SurfaceModel& reference, const SurfaceModel& scan,
+                                        const Pose2& T_ref_scan, const PartnerGate& gate, const SurfaceBatch& of_scan,
+                                        const SurfaceBatch* of_ref, PointToLineWorkspace& partners,
+                                        std::vector<NormalEquations>& work) {
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero(), scatter = Eigen::Matrix3d::Zero();
+  point_to_line_equations_by_run(reference, of_scan, T_ref_scan, gate, partners.in_reference, work);
+  for (const NormalEquations& run : work) {
+    H += run.H;
+    scatter += run.g * run.g.transpose();
+  }
+  if (of_ref != nullptr) {
+    point_to_line_equations_by_run(scan, *of_ref, T_ref_scan.inverse(), gate, partners.in_scan, work);
+    for (const NormalEquations& forth : work) {
+      const NormalEquations run = about_inverse(forth, T_ref_scan);
+      H += run.H;
+      scatter += run.g * run.g.transpose();
+    }
+    scatter *= 2.0;  // a wall's run errs the same both ways: (g + g) (g + g)' = 2 (g g' + g g')
+  }
+  const Eigen::LDLT<Eigen::Matrix3d> solver(H);
+  if (solver.info() != Eigen::Success || !solver.isPositive() || !(solver.rcond() > 1e-12))
+    return Eigen::Matrix3d::Zero();
+  return solver.solve(solver.solve(scatter).transpose());
+}
+
 }  // namespace phasescan

@@ -93,6 +93,25 @@ struct PartnerGate {
 NormalEquations point_to_line_equations(const SurfaceModel& model, const SurfaceBatch& hits, const Pose2& T_model_hits,
                                         const PartnerGate& gate, Partners* partners = nullptr);
 
+/// Neighbouring hits whose residuals err together: a tenth of a turn of 360 beams. A multiple of
+/// SurfaceBatch::kPadding.
+constexpr std::size_t kRunOfHits = 32;
+
+/// The equations of each run of kRunOfHits hits, in the order of the hits. Partners that are known are used again.
+void point_to_line_equations_by_run(const SurfaceModel& model, const SurfaceBatch& hits, const Pose2& T_model_hits,
+                                    const PartnerGate& gate, Partners& partners, std::vector<NormalEquations>& out);
+
+/// Covariance of (x, y, theta) in the reference frame as the residuals at `T_ref_scan` show it: those of neighbouring
+/// hits err together (jitter of directions, distortion by motion, furniture that moved), those of runs of hits do not.
+/// Zero where the hits do not hold the pose. `of_ref` null: the scan's hits alone.
+/// @param partners  those of the refinement that led there, or none
+/// @cost that of one step of a refinement
+/// @source the sandwich estimator with clustered residuals, [Liang86]
+Eigen::Matrix3d covariance_of_residuals(const SurfaceModel& reference, const SurfaceModel& scan,
+                                        const Pose2& T_ref_scan, const PartnerGate& gate, const SurfaceBatch& of_scan,
+                                        const SurfaceBatch* of_ref, PointToLineWorkspace& partners,
+                                        std::vector<NormalEquations>& work);
+
 /// Equations about T^-1 turned into equations about T.
 NormalEquations about_inverse(const NormalEquations& equations, const Pose2& T);
 

@@ -142,29 +142,31 @@ void SumEquations(LineTask& task) {
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include <algorithm>
 #include <cmath>
 
 namespace phasescan {
 HWY_EXPORT(SumEquations);
 
-NormalEquations point_to_line_equations(const SurfaceModel& model, const SurfaceBatch& hits, const Pose2& T_model_hits,
-                                        const PartnerGate& gate, Partners* partners) {
-  NormalEquations out;
-  if (model.points.size() == 0 || model.grid.empty() || hits.count == 0) return out;
-  if (partners != nullptr && !partners->known) partners->index.resize(hits.padded());
+namespace {
+
+// Equations of the `count` hits from `from` on, a multiple of the padding.
+NormalEquations equations_of(const SurfaceModel& model, const SurfaceBatch& hits, std::size_t from, std::size_t count,
+                             const Pose2& T_model_hits, const PartnerGate& gate, Partners* partners) {
+  constexpr std::size_t kPadding = SurfaceBatch::kPadding;
   LineTask task{model.grid.view(),
                 &model.points.points.front().x,
                 model.points.normal_variance.data(),
                 static_cast<int>(model.points.size()) - 1,
-                hits.x.data(),
-                hits.y.data(),
-                hits.nx.data(),
-                hits.ny.data(),
-                hits.length.data(),
-                hits.variance.data(),
-                hits.count,
-                hits.padded(),
-                partners != nullptr ? partners->index.data() : nullptr,
+                hits.x.data() + from,
+                hits.y.data() + from,
+                hits.nx.data() + from,
+                hits.ny.data() + from,
+                hits.length.data() + from,
+                hits.variance.data() + from,
+                count,
+                (count + kPadding - 1) / kPadding * kPadding,
+                partners != nullptr ? partners->index.data() + from : nullptr,
                 partners != nullptr && partners->known,
                 static_cast<float>(std::cos(T_model_hits.theta)),
                 static_cast<float>(std::sin(T_model_hits.theta)),
@@ -180,13 +182,33 @@ NormalEquations point_to_line_equations(const SurfaceModel& model, const Surface
     full << v[0], v[1], v[2], v[1], v[3], v[4], v[2], v[4], v[5];
     return full.cast<double>().eval();
   };
+  NormalEquations out;
   out.H = symmetric(task.sums);
   out.g = Eigen::Vector3f(task.sums[6], task.sums[7], task.sums[8]).cast<double>();
   out.normal_noise = symmetric(task.sums + 9);
   out.cost = static_cast<double>(task.sums[15]);
   out.partners = static_cast<int>(task.sums[16]);
+  return out;
+}
+
+}  // namespace
+
+NormalEquations point_to_line_equations(const SurfaceModel& model, const SurfaceBatch& hits, const Pose2& T_model_hits,
+                                        const PartnerGate& gate, Partners* partners) {
+  if (model.points.size() == 0 || model.grid.empty() || hits.count == 0) return {};
+  if (partners != nullptr && !partners->known) partners->index.resize(hits.padded());
+  const NormalEquations out = equations_of(model, hits, 0, hits.count, T_model_hits, gate, partners);
   if (partners != nullptr) partners->known = true;
   return out;
+}
+
+void point_to_line_equations_by_run(const SurfaceModel& model, const SurfaceBatch& hits, const Pose2& T_model_hits,
+                                    const PartnerGate& gate, Partners& partners, std::vector<NormalEquations>& out) {
+  out.clear();
+  if (model.points.size() == 0 || model.grid.empty()) return;
+  Partners* const known = partners.known && partners.index.size() == hits.padded() ? &partners : nullptr;
+  for (std::size_t from = 0; from < hits.count; from += kRunOfHits)
+    out.push_back(equations_of(model, hits, from, std::min(kRunOfHits, hits.count - from), T_model_hits, gate, known));
 }
 
 NormalEquations about_inverse(const NormalEquations& equations, const Pose2& T) {

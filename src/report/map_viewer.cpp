@@ -137,8 +137,7 @@ void append_scan(std::string& text, std::string& bytes, const ShownScan& shown, 
 void ShownScans::add(std::size_t index, const Scan& upright, const Pose2& T_base_laser) {
   if (index % every_ != 0) return;
   if (scans_.size() >= kMost) {
-    every_ *= 2;
-    std::erase_if(scans_, [this](const ShownScan& s) { return s.scan % every_ != 0; });
+    thin_out();
     if (index % every_ != 0) return;
   }
   ShownScan shown{index, {}};
@@ -151,6 +150,22 @@ void ShownScans::add(std::size_t index, const Scan& upright, const Pose2& T_base
       shown.points_cm.push_back(static_cast<std::int16_t>(std::lround(std::clamp(100.0 * m, -32767.0, 32767.0))));
   }
   scans_.push_back(std::move(shown));
+}
+
+void ShownScans::thin_out() {
+  every_ *= 2;
+  std::vector<ShownScan> kept;
+  for (std::size_t i = 0; i < scans_.size(); i += 2) kept.push_back(std::move(scans_[i]));
+  scans_ = std::move(kept);
+}
+
+void ShownScans::append(const ShownScans& other, std::size_t first) {
+  while (every_ < other.every_) thin_out();
+  for (std::size_t i = 0; i < other.scans_.size(); i += every_ / other.every_) {
+    scans_.push_back(other.scans_[i]);
+    scans_.back().scan += first;
+  }
+  while (scans_.size() > kMost) thin_out();
 }
 
 std::string map_viewer(const SlamResult& result, const ShownScans& shown) {

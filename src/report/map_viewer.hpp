@@ -29,6 +29,8 @@ class ShownScans {
   static constexpr std::size_t kMost = 400;       ///< scans: some 200 kB of the page
   static constexpr std::size_t kMostPoints = 90;  ///< of a scan
   void add(std::size_t index, const Scan& upright, const Pose2& T_base_laser);
+  /// Those of another run, whose scans follow. @param first  the index of its first scan
+  void append(const ShownScans& other, std::size_t first);
   std::span<const ShownScan> scans() const { return scans_; }
   std::size_t every() const { return every_; }
 
@@ -40,6 +42,7 @@ class ShownScans {
 
  private:
   std::vector<ShownScan> scans_;
+  void thin_out();
   std::size_t every_ = 1;
 };
 

@@ -82,4 +82,16 @@ RayHit cast_beam(const Surroundings& around, const LidarOptions& lidar, const Ve
   return {};
 }
 
+double revolution_turn_sigma(const LidarOptions& lidar) {
+  const double turn = deg_to_rad(lidar.effects.revolution_turn_deg);
+  double together = 0.0;  // half a beam, uniform, where all samples of a turn are said beside by the same
+  if (lidar.effects.sample_rate_hz > 0.0) {
+    const double step = std::abs(lidar.angle_increment());
+    // Over a turn samples run away from beams by this many beams; each whole one averages the offset out.
+    const double run_away = std::abs(lidar.effects.sample_rate_hz / lidar.rate_hz - kTwoPi / step);
+    together = step / std::sqrt(12.0) / std::max(1.0, run_away);
+  }
+  return std::hypot(turn, together);
+}
+
 }  // namespace phasescan::sim

@@ -73,6 +73,10 @@ struct LidarOptions {
   LidarOptions noise_free() const;  ///< the same geometry and reach without noise, rounding, losses and effects
 };
 
+/// Standard deviation of the direction of a whole revolution [rad]: its turn, and what is left of the half beam by
+/// which samples are said beside their direction where samples and beams are nearly in step.
+double revolution_turn_sigma(const LidarOptions& lidar);
+
 /// @throws std::invalid_argument naming the field that is out of bounds.
 void check_lidar(std::string_view section, const LidarOptions& lidar);
 

@@ -149,7 +149,7 @@ Eigen::Matrix3d pair_information(const Surroundings& around_ref, const Surroundi
       information += weight * gradient * gradient.transpose();
     }
   }
-  const double turn_sigma = deg_to_rad(lidar.effects.revolution_turn_deg);
+  const double turn_sigma = revolution_turn_sigma(lidar);
   return with_turned_scans(information, T_world_ref.inverse() * T_world_scan, turn_sigma * turn_sigma);
 }
 

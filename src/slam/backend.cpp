@@ -81,9 +81,13 @@ void Backend::add_loops(std::span<const Loop> loops) {
   }
 }
 
-void Backend::finish() {
+void Backend::close_admission() {
   admission_->close();
   place_admitted();
+}
+
+void Backend::finish() {
+  close_admission();
   closer_.close();
   if (keyframes().size() >= 2) {
     session_.optimize(kFinalIterations);

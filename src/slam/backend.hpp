@@ -57,6 +57,15 @@ class Backend {
   /// Takes the next keyframes in, looks for loops of each, and optimises the graph where that is due.
   /// @cost a few ms a keyframe; where the graph is optimised, about 20 us for each of its nodes on top
   void add_batch(std::vector<Keyframe> batch);
+  /// Nothing comes that keyframes which wait could be judged by.
+  void close_admission();
+  /// Takes the map of another run in and ties it to this one where both show the same places, with no guess; what is
+  /// not tied lies far beside. Afterwards this is the back end of the other run, with both maps.
+  /// @param other  its scans and drives are numbered on from those here; nodes are not
+  /// @cost 2 ms a node of the other, and an optimisation where they are tied
+  void join(BackendState other);
+  /// Moves the whole map. To be called between batches.
+  void move_map(const Pose2& T_after_before);
   /// After the last batch: a full optimisation, every keyframe compared with all its neighbours once more.
   void finish();
   /// @return what a new back end needs to go on with the same bytes. @cost a copy of nodes, edges and descriptors
@@ -83,6 +92,7 @@ class Backend {
   const std::vector<Keyframe>& keyframes() const { return session_.keyframes(); }
   const std::vector<Pose2>& poses() const { return session_.poses(); }
   const PoseGraph& graph() const { return session_.graph(); }
+  const GraphSession& session() const { return session_; }
   LoopCounts loop_counts() const;
   /// What of the graph hangs together.
   MapPieces pieces() const { return connectivity_.pieces(); }
@@ -96,6 +106,8 @@ class Backend {
   void attach(const Placement& placement);
   void add_loops(std::span<const Loop> loops);
   void graph_changed();
+  void tie_from(int first);
+  void move_piece_to(const Loop& loop, const MapPieces& before);
 
   SlamOptions options_;
   GraphSession session_;

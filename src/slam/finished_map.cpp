@@ -55,11 +55,18 @@ void draw_result(const Backend& backend, const std::vector<Pose2>& poses, bool r
                                       : T_drawn_map * backend.poses()[drawn[k]] * keyframe.T_mid_stamp;
     return place_keyframe(keyframe, T_map_stamp, options.odometry.deskew);
   };
-  OccupancyGrid grid(options.map);
+  // Drives follow each other: with map.update each has a grid of its own, which then takes the place of what was known.
+  OccupancyGrid grid(options.map), drive(options.map);
   for (std::size_t k = 0; k < drawn.size(); ++k) {
+    const std::int32_t session = backend.keyframes()[drawn[k]].session;
+    if (k > 0 && options.map.update && session != backend.keyframes()[drawn[k - 1]].session) {
+      grid.update_with(drive);
+      drive.clear();
+    }
     const PlacedScan scan = placed(k);
-    grid.add_scan(scan.scan, scan.T_map_laser, scan.twist);
+    (options.map.update ? drive : grid).add_scan(scan.scan, scan.T_map_laser, scan.twist);
   }
+  if (options.map.update) grid.update_with(drive);
   result.map = make_trinary(grid);
   if (!options.glass.enabled) return;
   result.glass = panes_off_the_way(find_glass(drawn.size(), placed, grid, options.glass), poses, on_map, options.glass);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "odometry/information.hpp"
 #include "slam/edge_information.hpp"
@@ -103,6 +104,51 @@ void GraphSession::add_step(const Keyframe& keyframe, int node, const Pose2& ste
     state_.unconfirmed_m += kMetresPerSigma * std::max(0.0, largest_deviation(edge.information) - kUsualSigmaM);
   }
   state_.graph.add_edge(edge);
+}
+
+int GraphSession::append(GraphSessionState other) {
+  const int first = last_node() + 1, edges = static_cast<int>(state_.graph.edges().size());
+  if (other.keyframes.empty()) return first;
+  if (first == 0) {
+    state_ = std::move(other);
+    return first;
+  }
+  const Pose2 beside = beside_the_map();
+  for (const Pose2& pose : other.graph.poses()) state_.graph.add_node(beside * pose);
+  other.keyframes.front().new_segment = true;
+  PoseEdge guess;
+  guess.from = state_.submitted.back().node;
+  guess.to = first;
+  guess.T_from_to = poses()[static_cast<std::size_t>(guess.from)].inverse() * poses()[static_cast<std::size_t>(first)];
+  guess.information = Eigen::Vector3d(kSessionInformation, kSessionInformation, kBreakInformation).asDiagonal();
+  state_.graph.add_edge(guess);
+  for (PoseEdge edge : other.graph.edges()) {
+    edge.from += first;
+    edge.to += first;
+    state_.graph.add_edge(edge);
+  }
+  const double way = state_.travelled_m.back() + kSessionM;
+  for (const double travelled : other.travelled_m) state_.travelled_m.push_back(way + travelled);
+  for (const int edge : other.large_loops) state_.large_loops.push_back(edges + 1 + edge);
+  std::move(other.keyframes.begin(), other.keyframes.end(), std::back_inserter(state_.keyframes));
+  for (SubmittedKeyframe keyframe : other.submitted) {
+    keyframe.node += first;
+    state_.submitted.push_back(keyframe);
+  }
+  state_.T_odom_last = other.T_odom_last;
+  state_.last_session = other.last_session;
+  state_.unconfirmed_m = other.unconfirmed_m;
+  state_.optimisations += other.optimisations + 1;  // poses are others now
+  state_.new_edges += other.new_edges;
+  state_.large_correction = state_.large_correction || other.large_correction;
+  return first;
+}
+
+void GraphSession::move_nodes(const std::vector<char>& moved, const Pose2& T_after_before) {
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    if (moved[k]) state_.graph.set_pose(static_cast<int>(k), T_after_before * poses()[k]);
+  }
+  ++state_.optimisations;
 }
 
 void GraphSession::attach_to_node(const Keyframe& keyframe, const Pose2& T_map_base) {

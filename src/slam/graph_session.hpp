@@ -95,6 +95,13 @@ class GraphSession {
   /// By the keyframe submitted last. There must be one.
   Pose2 T_map_odom() const;
 
+  /// Takes the graph of another run in, whose numbers of scans and drives go on from those here: beside the map,
+  /// tied to it by no more than a guess. What is known of the keyframe submitted last is the other's from then on.
+  /// @return the number of its first node
+  int append(GraphSessionState other);
+  /// Moves nodes as one. @param moved  of each node whether it is one of them
+  void move_nodes(const std::vector<char>& moved, const Pose2& T_after_before);
+
   /// At the end of a batch: optimises where a large correction waits, or loops and many nodes.
   /// @return whether poses and edges may have changed
   /// @cost about 20 us a node when it does

@@ -194,6 +194,45 @@ std::vector<Loop> LoopCloser::accept(LoopConsistency& consistency, const Loop& l
   return accepted;
 }
 
+std::vector<Loop> LoopCloser::search_before(int node, int limit, bool by_looks, LoopConsistency& consistency,
+                                            const GraphSession& session, PlaceSearch& places,
+                                            Connectivity& connectivity) {
+  const auto& poses = session.poses();
+  const Pose2& here = poses[static_cast<std::size_t>(node)];
+  std::vector<Loop> found, by_place;
+  for (const int visit : nearby_visits(node, limit - 1, session, connectivity)) {
+    if (const std::optional<Loop> loop = compare(visit, node, here, 0.0, session)) found.push_back(*loop);
+  }
+  if (by_looks) {
+    for (const PlaceMatch& place :
+         places.find_again(node, session.keyframes(), poses, static_cast<std::size_t>(limit))) {
+      ++state_.places;
+      const Pose2 T_map_node = poses[static_cast<std::size_t>(place.node)] * place.T_node_query;
+      if (const std::optional<Loop> loop = compare(place.node, node, T_map_node, 0.0, session))
+        by_place.push_back(*loop);
+    }
+  }
+  if (one_of_several(by_place, poses)) {
+    state_.alike += by_place.size();
+    by_place.clear();
+  }
+  found.insert(found.end(), by_place.begin(), by_place.end());
+  std::vector<Loop> accepted;
+  for (const Loop& loop : found) {
+    for (const Loop& l : accept(consistency, loop, session, connectivity)) accepted.push_back(l);
+  }
+  return accepted;
+}
+
+void LoopCloser::append(const LoopCloserState& other) {
+  state_.compared += other.compared;
+  state_.places += other.places;
+  state_.found += other.found;
+  state_.weak += other.weak + other.consistency.rejected + other.consistency.waiting.size();
+  state_.beyond += other.beyond;
+  state_.alike += other.alike;
+}
+
 std::vector<Loop> LoopCloser::search_all(const GraphSession& session, Connectivity& connectivity) {
   std::vector<Loop> loops;
   covariance_.rebuild(session);

@@ -55,6 +55,12 @@ class LoopCloser {
   /// With the map in place: every node is compared with its neighbours of all times, the later ones too.
   /// @cost O(nodes^2) distances and up to loops.clusters_per_node matches a node
   std::vector<Loop> search_all(const GraphSession& session, Connectivity& connectivity);
+  /// A node whose neighbours in time are known, compared with the nodes before `limit`: of another run, which was there
+  /// first. @param by_looks  wherever the map has them too. @param consistency  of all loops between the two
+  std::vector<Loop> search_before(int node, int limit, bool by_looks, LoopConsistency& consistency,
+                                  const GraphSession& session, PlaceSearch& places, Connectivity& connectivity);
+  /// Takes over what another run counted; its loops that wait are rejected.
+  void append(const LoopCloserState& other);
   /// No more loops come: those that wait are rejected.
   void close() { consistency_.close(); }
 

@@ -21,6 +21,8 @@ class MapView final : public MapSnapshot {
     return keyframes;
   }
 
+  const std::shared_ptr<const BackendSnapshot>& snapshot() const { return snapshot_; }
+
   TrinaryMap draw() const override {
     return SnapshotRenderer(options_.map, options_.odometry.deskew, options_.slam.largest_piece).map(*snapshot_);
   }
@@ -31,6 +33,11 @@ class MapView final : public MapSnapshot {
 };
 
 }  // namespace
+
+std::shared_ptr<const BackendSnapshot> behind(const MapSnapshot& view) {
+  const auto* own = dynamic_cast<const MapView*>(&view);
+  return own == nullptr ? nullptr : own->snapshot();
+}
 
 std::shared_ptr<const MapSnapshot> make_map_view(std::shared_ptr<const BackendSnapshot> snapshot,
                                                  const SlamOptions& options) {

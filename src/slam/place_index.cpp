@@ -188,6 +188,12 @@ std::vector<PlaceHit> PlaceIndex::shortlist(const PlaceDescriptor& query, std::s
   return best;
 }
 
+void PlaceIndex::append(const PlaceIndex& other) {
+  numbers_.insert(numbers_.end(), other.numbers_.begin(), other.numbers_.end());
+  turning_.insert(turning_.end(), other.turning_.begin(), other.turning_.end());
+  squares_.insert(squares_.end(), other.squares_.begin(), other.squares_.end());
+}
+
 std::vector<PlaceHit> PlaceIndex::nearest(const PlaceDescriptor& query, std::size_t count, std::size_t limit) const {
   std::vector<PlaceHit> best = shortlist(query, count, limit == 0 ? size() : std::min(limit, size()));
   std::sort(best.begin(), best.end(), nearer);

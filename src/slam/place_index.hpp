@@ -27,6 +27,8 @@ class PlaceIndex {
   static constexpr int kVersion = 1;
   /// @return the number of the place, counting from 0
   std::uint32_t add(const PlaceDescriptor& descriptor);
+  /// Takes the places of another index in after its own.
+  void append(const PlaceIndex& other);
   /// The `count` nearest of the first `limit` places (all where limit is 0) by the numbers that do not turn, nearest
   /// first; earlier ones first among equals.
   std::vector<PlaceHit> nearest(const PlaceDescriptor& query, std::size_t count, std::size_t limit = 0) const;

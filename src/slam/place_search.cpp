@@ -67,6 +67,12 @@ struct PlaceSearch::Impl {
     return describer.describe(points.x, points.y);
   }
 
+  /// How many of the places are at the first `nodes` keyframes.
+  std::size_t places_before(std::size_t nodes) const {
+    const auto end = std::lower_bound(state.nodes.begin(), state.nodes.end(), static_cast<int>(nodes));
+    return static_cast<std::size_t>(end - state.nodes.begin());
+  }
+
   /// The first `limit` places that show what the view shows, by descriptor and match.
   std::vector<PlaceMatch> search(const Scan& view, const PlaceDescriptor& descriptor, std::size_t limit,
                                  std::span<const Keyframe> keyframes, std::span<const Pose2> poses) {
@@ -81,7 +87,7 @@ struct PlaceSearch::Impl {
       visits.push_back(other);
       ++state.matched;
       const MatchResult match = matcher.match(view_at(keyframes, poses, other, kViewNodes), view);
-      if (is_same_place(match) && most_sigma(match.covariance) < kMostSigmaM)
+      if (is_same_place(match) && most_sigma(match.diagnostics.noise_covariance) < kMostSigmaM)
         found.push_back({other, match.T_ref_scan});
     }
     return found;
@@ -115,13 +121,26 @@ std::vector<PlaceMatch> PlaceSearch::add(std::span<const Keyframe> keyframes, st
   return m.search(view, descriptor, static_cast<std::size_t>(old - m.state.nodes.begin()), keyframes, poses);
 }
 
+std::vector<PlaceMatch> PlaceSearch::find_again(int node, std::span<const Keyframe> keyframes,
+                                                std::span<const Pose2> poses, std::size_t nodes) {
+  Impl& m = *impl_;
+  if (node % kEvery != 0) return {};
+  const Scan view = view_at(keyframes, poses, node, kViewNodes);
+  return m.search(view, m.describe(view), m.places_before(nodes), keyframes, poses);
+}
+
+void PlaceSearch::append(const PlaceSearchState& other, int first_node) {
+  PlaceSearchState& state = impl_->state;
+  state.index.append(other.index);
+  for (const int node : other.nodes) state.nodes.push_back(first_node + node);
+  state.matched += other.matched;
+}
+
 std::vector<PlaceMatch> PlaceSearch::find(const Keyframe& query, std::span<const Keyframe> keyframes,
                                           std::span<const Pose2> poses, std::size_t nodes) {
   const Pose2 origin;
   const Scan view = view_at({&query, 1}, {&origin, 1}, 0, 0);
-  const auto& known = impl_->state.nodes;
-  const auto limit = std::lower_bound(known.begin(), known.end(), static_cast<int>(nodes)) - known.begin();
-  return impl_->search(view, impl_->describe(view), static_cast<std::size_t>(limit), keyframes, poses);
+  return impl_->search(view, impl_->describe(view), impl_->places_before(nodes), keyframes, poses);
 }
 
 }  // namespace phasescan

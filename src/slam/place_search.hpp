@@ -60,6 +60,13 @@ class PlaceSearch {
   std::vector<PlaceMatch> find(const Keyframe& query, std::span<const Keyframe> keyframes, std::span<const Pose2> poses,
                                std::size_t nodes);
 
+  /// The same for a keyframe that is one of them and in the index, or would be: its view is compared with those of the
+  /// first `nodes` keyframes. Empty for the keyframes that no view is taken of.
+  std::vector<PlaceMatch> find_again(int node, std::span<const Keyframe> keyframes, std::span<const Pose2> poses,
+                                     std::size_t nodes);
+  /// Takes the places of another run in. @param first_node  the number of its first node here
+  void append(const PlaceSearchState& other, int first_node);
+
   const PlaceSearchState& state() const;
 
  private:

@@ -97,7 +97,7 @@ void take_scans(const SlamResult& whole, const ScanLedger& ledger, const std::ve
 }  // namespace
 
 void make_parts(const Backend& backend, const ScanLedger& ledger, const std::vector<Pose2>& poses, bool refined,
-                const SlamOptions& options, SlamResult& result) {
+                std::size_t frame_session, const SlamOptions& options, SlamResult& result) {
   result.sessions.push_back({});
   for (const ScanId first : ledger.sessions) result.sessions.push_back({first, 0});
   const std::vector<int> first_of = first_of_group(backend, result.sessions.size());
@@ -111,9 +111,8 @@ void make_parts(const Backend& backend, const ScanLedger& ledger, const std::vec
     SlamResult part;
     part.deskewed = result.deskewed;
     part.drawn = drawn_of(backend, in_group, options.slam.largest_piece);
-    // The frame of its first drive.
     const auto first = static_cast<std::size_t>(std::find(in_group.begin(), in_group.end(), 1) - in_group.begin());
-    const Pose2 T_part_map = group == 0 || first == in_group.size()
+    const Pose2 T_part_map = first_of[frame_session] == group || first == in_group.size()
                                  ? Pose2{}
                                  : backend.keyframes()[first].T_odom_base * backend.poses()[first].inverse();
     std::vector<Pose2> moved;

@@ -109,4 +109,9 @@ std::size_t ScanStore::add(const Scan& scan, const Pose2& T_base_laser) {
   return entries_.size() - 1;
 }
 
+void ScanStore::append(const ScanStore& other) {
+  kinds_.insert(kinds_.end(), other.kinds_.begin(), other.kinds_.end());
+  entries_.insert(entries_.end(), other.entries_.begin(), other.entries_.end());
+}
+
 }  // namespace phasescan

@@ -62,6 +62,8 @@ class ScanStore {
   static constexpr int kVersion = 1;
   /// @return the number to ask for it with
   std::size_t add(const Scan& scan, const Pose2& T_base_laser);
+  /// Takes the scans of another store in after its own; they are shared.
+  void append(const ScanStore& other);
   /// @throws std::out_of_range
   Scan scan(std::size_t index) const { return entries_.at(index)->scan(); }
   const Pose2& T_base_laser(std::size_t index) const { return entries_.at(index)->T_base_laser(); }

@@ -9,7 +9,7 @@
 #include "slam/finished_map.hpp"
 #include "slam/map_view.hpp"
 #include "slam/result_parts.hpp"
-#include "slam/run_findings.hpp"
+#include "slam/run_judge.hpp"
 #include "slam/slam_impl.hpp"
 #include "slam/trajectory_refinement.hpp"
 
@@ -318,14 +318,15 @@ SlamResult Slam::finish() {
   SlamOptions options = self.options;
   const DeskewTest& deskewing = self.tracker.state().deskew_test;
   if (deskewing.refuted() || self.state.earlier.deskewing_refuted) options.odometry.deskew = false;
-  if (refined) poses = refine_trajectory(backend, self.state.store, poses, ledger, options.odometry);
+  RefinementFit fit;
+  if (refined) poses = refine_trajectory(backend, self.state.store, poses, ledger, options.odometry, &fit);
   SlamResult result = make_result(backend, ledger, poses, refined, options);
-  make_parts(backend, ledger, poses, refined, options, result);
+  make_parts(backend, ledger, poses, refined, static_cast<std::size_t>(self.state.frame_session), options, result);
   self.state.earlier.add(self.tracker.state());
   result.wheels = self.state.earlier.wheels;
   result.oddities = self.state.input.oddities;
   result.deskewed = options.odometry.deskew;
-  result.findings = run_findings(result, self.state.bodies, self.state.input);
+  judge(backend, fit, refined, self.state.bodies, self.state.input, result);
   self.backend_cpu_s = thread_cpu_seconds() - before;
   return result;
 }

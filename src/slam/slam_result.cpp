@@ -4,6 +4,18 @@
 
 namespace phasescan {
 
+const char* to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kGood:
+      return "good";
+    case Verdict::kDoubtful:
+      return "doubtful";
+    case Verdict::kFailed:
+      break;
+  }
+  return "failed";
+}
+
 std::size_t SlamResult::scans_left_out() const {
   return static_cast<std::size_t>(
       std::count_if(scans.begin(), scans.end(), [](const ScanResult& s) { return !s.on_map || s.left_out; }));

@@ -13,6 +13,7 @@
 #include "slam/input_check.hpp"
 #include "slam/scan_ledger.hpp"
 #include "slam/scan_store.hpp"
+#include "state/fields.hpp"
 
 namespace phasescan {
 
@@ -46,15 +47,15 @@ struct EarlierSessions {
   WheelCounts wheels;
   bool deskewing_refuted = false;
 
-  void add(const OdometryState& end) {
-    const WheelCounts& counts = end.motion.wheels.counts;
-    wheels.steps += counts.steps;
-    wheels.agreed += counts.agreed;
-    wheels.reversed += counts.reversed;
-    wheels.slipped += counts.slipped;
-    wheels.jumped += counts.jumped;
-    deskewing_refuted = deskewing_refuted || end.deskew_test.refuted();
+  void add(const EarlierSessions& more) {
+    wheels.steps += more.wheels.steps;
+    wheels.agreed += more.wheels.agreed;
+    wheels.reversed += more.wheels.reversed;
+    wheels.slipped += more.wheels.slipped;
+    wheels.jumped += more.wheels.jumped;
+    deskewing_refuted = deskewing_refuted || more.deskewing_refuted;
   }
+  void add(const OdometryState& end) { add(EarlierSessions{end.motion.wheels.counts, end.deskew_test.refuted()}); }
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -86,6 +87,7 @@ struct SlamState::Data {
   std::shared_ptr<const BackendResult> pending;  ///< the result of the last batch, which has not entered yet
   EarlierSessions earlier;
   std::int32_t session_keyframe = 0;  ///< keyframes before this session
+  std::int32_t frame_session = 0;     ///< the drive whose map is in the frame it began with
   /// All as it was when this session began, while it may begin anew; null in the first session.
   std::shared_ptr<const Data> session_start;
 
@@ -119,6 +121,7 @@ struct SlamState::Data {
     v("earlier", self.earlier);
     v("session_keyframe", self.session_keyframe);
     v("session_start", self.session_start);
+    visit_since(v, 2, "frame_session", self.frame_session);
   }
 };
 

@@ -82,6 +82,7 @@ void check_ledger(const SlamState::Data& data) {
     for (const Keyframe& keyframe : *keyframes)
       require(keyframe.session >= 0 && keyframe.session <= last, "a keyframe is of no drive");
   }
+  require(data.frame_session >= 0 && data.frame_session <= last, "its frame is of no drive");
   require(data.session_keyframe >= 0 && data.session_keyframe <= ledger.keyframes, "its drives are in no order");
 }
 

@@ -40,7 +40,8 @@ Twist2 turn_twist(const ScanLedger& ledger, std::span<const Pose2> guess, std::s
 }
 
 /// The pose near `T_map_base` that lays the points on the map; the same where the match fails or moves it far.
-Pose2 refine_pose(const LocalMap& map, const MapPoints& points, const Pose2& T_map_base, double min_overlap) {
+Pose2 refine_pose(const LocalMap& map, const MapPoints& points, const Pose2& T_map_base, double min_overlap,
+                  RefinementFit& fit) {
   PosePrior prior;
   prior.T_map_base = map.T_world_map().inverse() * T_map_base;
   prior.information.diagonal() << 1.0 / (kPriorM * kPriorM), 1.0 / (kPriorM * kPriorM), 1.0 / (kPriorRad * kPriorRad);
@@ -48,8 +49,10 @@ Pose2 refine_pose(const LocalMap& map, const MapPoints& points, const Pose2& T_m
   fine.gate_start_m = kGateM;
   const Registration found = register_points(map, points, prior.T_map_base, fine, prior);
   const Pose2 moved = prior.T_map_base.inverse() * found.T_map_base;
+  ++fit.scans;
+  fit.overlap_sum += found.overlap;
   if (found.overlap < min_overlap || std::hypot(moved.x, moved.y) > kMostMoveM || std::abs(moved.theta) > kMostMoveRad)
-    return T_map_base;
+    return ++fit.kept, T_map_base;
   return map.T_world_map() * found.T_map_base;
 }
 
@@ -64,7 +67,7 @@ void place_between_neighbours(std::span<const ScanRecord> records, std::span<con
 }  // namespace
 
 std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& scans, std::span<const Pose2> guess,
-                                     const ScanLedger& ledger, const OdometryOptions& options) {
+                                     const ScanLedger& ledger, const OdometryOptions& options, RefinementFit* fit) {
   const std::vector<ScanRecord>& records = ledger.records;
   std::vector<Pose2> out(guess.begin(), guess.end());
   LocalMap map;
@@ -72,6 +75,7 @@ std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& sc
   SurfacePoints surface;
   MapPoints points;
   ScanClock clock;
+  RefinementFit counts;
   int built_for = -1;
   std::size_t before = 0;
   for (std::size_t i = 0; i < records.size(); ++i) {
@@ -93,9 +97,10 @@ std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& sc
     const Pose2& T_base_laser = scans.T_base_laser(i);
     find_surface(scan, twist_of_frame(T_base_laser, twist), work, surface, kTrackingLines);
     to_map_points(surface, T_base_laser, options.map_range_m, points);
-    out[i] = refine_pose(map, points, guess[i], options.min_overlap);
+    out[i] = refine_pose(map, points, guess[i], options.min_overlap, counts);
   }
   place_between_neighbours(records, guess, out);
+  if (fit != nullptr) *fit = counts;
   return out;
 }
 

@@ -307,6 +307,27 @@ TEST(InfoCommand, TellsWhatALogHoldsAndWhatIsWrong) {
   expect_refusal(run_command({"info", folder.path()}), 2, "is a folder");
 }
 
+TEST(MatchCommand, AKnownSensorWidensTheCovariance) {
+  const test::TempFolder folder;
+  const std::string reference = folder.put("a.json", format_scan_json(room_scan({}))),
+                    scan = folder.put("b.json", format_scan_json(room_scan({0.2, 0.1, 0.3})));
+  const auto theta_variance = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"match", reference, scan};
+    words.insert(words.end(), more.begin(), more.end());
+    const auto result = run_command(words);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return json::parse(result.out).at("covariance").at(8).get<double>();
+  };
+  const double turn = deg_to_rad(0.5);
+  const std::string file = folder.put("turns.yaml", "beams: 360\nrevolution_turn_deg: 0.5\n");
+  const double none = theta_variance({"--sensor", "rplidar-a1"}), known = theta_variance({"--sensor", file});
+  EXPECT_NEAR(known - none, 2.0 * turn * turn, 1e-9) << "both scans turn";
+  const double from_beams = theta_variance({});
+  EXPECT_GT(from_beams, none);
+  EXPECT_LT(from_beams, known);
+  expect_refusal(run_command({"match", reference, scan, "--sensor", "rplidar-a9"}), 2, "rplidar-a9");
+}
+
 TEST(MatchCommand, EveryRecordedPairGetsALine) {
   if (test::recorded_data("pairs").empty()) GTEST_SKIP() << "no recorded data ($PHASESCAN_DATA)";
   for (const char* name : {"fr079-180", "intel-360", "none-360", "rplidar-a1-16m-real"}) {

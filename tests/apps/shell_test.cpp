@@ -50,7 +50,8 @@ TEST(Completion, BashOffersCommandsFlagsAndWords) {
     return result.out;
   };
   EXPECT_EQ(offered("phasescan sl"), "slam\n");
-  EXPECT_THAT(offered("phasescan ''"), AllOf(HasSubstr("match slam info"), Not(HasSubstr("completion"))));
+  EXPECT_THAT(offered("phasescan ''"),
+              AllOf(HasSubstr("match slam localize merge info"), Not(HasSubstr("completion"))));
   EXPECT_EQ(offered("phasescan slam --odo"), "--odometry\n");
   EXPECT_EQ(offered("phasescan slam drive.log --odometry ''"), "auto none\n");
   EXPECT_EQ(offered("phasescan match --method fft-icp"), "fft-icp1 fft-icp2\n");
@@ -84,7 +85,7 @@ TEST(ManPages, GroffHasNothingToSayAgainstThem) {
   if (!installed("groff")) GTEST_SKIP() << "no groff";
   const TempFolder folder;
   for (const char* command :
-       {"", "match", "slam", "info", "convert", "eval", "simulate", "calibrate", "bench", "paper", "config"}) {
+       {"", "match", "slam", "merge", "info", "convert", "eval", "simulate", "calibrate", "bench", "paper", "config"}) {
     std::vector<std::string> words{"man"};
     if (*command != '\0') words.push_back(command);
     const auto page = run_command(words);
@@ -103,7 +104,7 @@ TEST(ManPages, GroffHasNothingToSayAgainstThem) {
 
 TEST(Help, EveryCommandHasAnExample) {
   for (const char* command :
-       {"match", "slam", "info", "convert", "eval", "simulate", "calibrate", "bench", "paper", "config"}) {
+       {"match", "slam", "merge", "info", "convert", "eval", "simulate", "calibrate", "bench", "paper", "config"}) {
     const auto help = run_command({command, "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_THAT(help.out, HasSubstr(std::string("Example:\n  phasescan ") + command)) << command;

@@ -68,6 +68,81 @@ TEST(SlamCommand, AWholeRunLeavesEveryFileAndAnAccurateTrajectory) {
   EXPECT_LT(json::parse(eval.out)["ate_m"]["rmse"], 0.03);
 }
 
+/// The log, but that all scans from `first` on have three returns and no more.
+std::string blinded(const std::string& log, std::size_t first) {
+  std::string text;
+  std::size_t k = 0;
+  for (const std::string& line : lines_of(log)) {
+    std::istringstream words(line);
+    std::string word;
+    for (int n = 0; words >> word; ++n) {
+      const bool beam = n >= 2 && n < 362;
+      text += (n > 0 ? " " : "") + (k >= first && beam && n % 120 != 5 ? std::string("0.000") : word);
+    }
+    text += "\n";
+    ++k;
+  }
+  return text;
+}
+
+TEST(SlamCommand, AGoodRunSaysSoAndNothingOnStderr) {
+  const TempFolder folder;
+  const auto run = slam(folder, toy_log().flaser, {"--odometry", "none"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  const json summary = summary_in(folder);
+  EXPECT_EQ(summary["verdict"], "good");
+  EXPECT_GE(summary["verdict_probability"], 0.95);
+  EXPECT_TRUE(summary["reasons"].is_array());
+  EXPECT_EQ(summary["evidence"]["scans"], 200);
+  EXPECT_THAT(slurp(folder / "out/report.html"),
+              HasSubstr("good: the trajectory is within 0.2 m or 1 % of its length"));
+}
+
+TEST(SlamCommand, ARunOfWhichHalfIsOnNoMapFailsAndLeavesItsFiles) {
+  const TempFolder folder;
+  const auto run = slam(folder, blinded(toy_log(120).flaser, 40), {"--odometry", "none"});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("failed: "));
+  const json summary = summary_in(folder);
+  EXPECT_EQ(summary["verdict"], "failed");
+  EXPECT_LE(summary["verdict_probability"], 0.2);
+  ASSERT_FALSE(summary["reasons"].empty());
+  for (const json& reason : summary["reasons"]) {
+    EXPECT_GT(reason["count"], 0);
+    EXPECT_TRUE(reason["first_stamp"].is_number());
+    EXPECT_FALSE(reason["what"].get<std::string>().empty());
+    EXPECT_TRUE(reason["kind"].is_string());
+  }
+  EXPECT_EQ(read_tum(folder / "out/trajectory.tum").size(), 120u);
+  EXPECT_THAT(slurp(folder / "out/report.html"), HasSubstr("failed: "));
+}
+
+TEST(SlamCommand, LogsThatNothingTiesAreDoubtfulAndNoError) {
+  const TempFolder folder;
+  folder.put("a.log", toy_log(60).flaser);
+  std::string corridor;
+  Random random(5);
+  for (int i = 0; i < 60; ++i) {
+    testing::ToyLidar lidar;
+    lidar.beams = 360, lidar.field = kPi, lidar.range_max = 0.0;
+    const Scan scan = testing::toy_scan(testing::corridor_with_niches(30.0, 0.7), {4.0 + 0.05 * i, 0.0, 0.0}, lidar,
+                                        random, stamp_from_seconds(0.0));
+    corridor += "FLASER 360";
+    for (const float r : scan.ranges) corridor += " " + std::to_string(r);
+    corridor += " 0 0 0 0 0 0 " + std::to_string(9000.0 + 0.2 * i) + " host " + std::to_string(0.2 * i) + "\n";
+  }
+  folder.put("b.log", corridor);
+  const auto run =
+      run_command({"slam", folder / "a.log", folder / "b.log", "--out", folder / "out", "--odometry", "none"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("doubtful: pieces: "));
+  const json summary = summary_in(folder);
+  EXPECT_EQ(summary["verdict"], "doubtful");
+  EXPECT_EQ(summary["reasons"][0]["kind"], "pieces");
+  EXPECT_TRUE(json::parse(slurp(folder / "out/1/summary.json")).contains("verdict"));
+}
+
 TEST(SlamCommand, SameBytesWhateverTheThreads) {
   const TempFolder one, two;
   const ToyLog log = toy_log();

@@ -2,9 +2,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "io/tum.hpp"
 #include "support/command.hpp"
@@ -36,6 +43,30 @@ bool at_work(const std::string& folder) {
   }
   return false;
 }
+
+/// A pipe that gives a text again and again until its reader has gone.
+class EndlessPipe {
+ public:
+  EndlessPipe(const std::string& path, const std::string& text) {
+    ::signal(SIGPIPE, SIG_IGN);
+    ::mkfifo(path.c_str(), 0600);
+    thread_ = std::thread([this, path, text] {
+      const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);  // waits for the reader
+      for (ssize_t n = 0; (n = ::write(fd, text.data(), text.size())) > 0;) taken_ += static_cast<std::size_t>(n);
+      ::close(fd);
+    });
+  }
+  ~EndlessPipe() {
+    thread_.join();
+    ::signal(SIGPIPE, SIG_DFL);
+  }
+  /// Bytes that the reader has taken by now, but for those that the pipe holds.
+  std::size_t taken() const { return taken_; }
+
+ private:
+  std::atomic<std::size_t> taken_ = 0;
+  std::thread thread_;
+};
 
 void expect_no_temporary(const std::string& folder) {
   EXPECT_FALSE(at_work(folder)) << ::testing::PrintToString(names_in(folder));
@@ -110,8 +141,10 @@ TEST(Stop, ConvertAndInfoGiveWhatWasRead) {
   const std::string lines = slurp(folder / "out/log.jsonl");
   EXPECT_TRUE(lines.empty() || lines.ends_with("}\n"));
 
-  int waited = 0;
-  const CommandResult told = run_command({"info", log}, "", SIGINT, [&] { return ++waited > 20; });  // 40 ms
+  // Beyond its first blocks it is at work, however slow the machine is.
+  EndlessPipe pipe(folder / "pipe.log", lap);
+  const CommandResult told =
+      run_command({"info", folder / "pipe.log"}, "", SIGINT, [&] { return pipe.taken() > std::size_t{4} << 20; });
   EXPECT_EQ(told.code, 130) << told.err;
   EXPECT_THAT(told.err, HasSubstr("stopped after "));
   EXPECT_THAT(told.out, HasSubstr("scans "));

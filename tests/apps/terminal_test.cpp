@@ -21,15 +21,15 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TEST(Terminal, SlamEndsWithScansWayLoopsMapAndWhatToOpen) {
+TEST(Terminal, SlamEndsWithScansWayLoopsMapVerdictAndWhatToOpen) {
   const TempFolder folder;
   const std::string log = folder.put("drive.log", testing::toy_log(120).flaser), out = folder / "out";
   const auto shown = run_on_terminal({"slam", log, "--out", out}, {{"NO_COLOR", "1"}});
   EXPECT_EQ(shown.code, 0) << shown.out;
   EXPECT_THAT(shown.out,
-              AllOf(HasSubstr("scans  120, all on the map"), ContainsRegex("way    [0-9.]+ m in [0-9]+ s"),
-                    ContainsRegex("loops  [0-9]+"), ContainsRegex("map    [0-9.]+ m x [0-9.]+ m, cells of 5 cm"),
-                    HasSubstr("open   " + out + "/report.html")));
+              AllOf(HasSubstr("scans    120, all on the map"), ContainsRegex("way      [0-9.]+ m in [0-9]+ s"),
+                    ContainsRegex("loops    [0-9]+"), ContainsRegex("map      [0-9.]+ m x [0-9.]+ m, cells of 5 cm"),
+                    ContainsRegex("verdict  good"), HasSubstr("open     " + out + "/report.html")));
   EXPECT_THAT(shown.out, Not(HasSubstr("\033[2m")));
   EXPECT_EQ(run_command({"slam", log, "--out", out}).out, "");
 }

@@ -33,7 +33,7 @@ export async function page(browser, url, width, height, options = {}) {
   const made = await browser.newPage();
   await made.setViewport({ width, height, hasTouch: options.touch ?? false, isMobile: options.touch ?? false });
   made.on("pageerror", (error) => check("script: " + error.message, false));
-  made.on("console", (message) => message.type() === "error" && check("console: " + message.text(), false));
+  made.on("console", (message) => message.type() === "error" && !options.expects?.test(message.text()) && check("console: " + message.text(), false));
   made.on("request", (request) => {
     const to = request.url();
     check("asks for " + to, to === url || to.startsWith("data:") || (options.from && to.startsWith(options.from)));

@@ -40,7 +40,7 @@ class Live:
 
     def __init__(self, folder, *arguments):
         self.out, self.err = folder / "live.out", folder / "live.err"
-        self.process = subprocess.Popen([PHASESCAN, "live", *arguments, "--json"], env=ENVIRONMENT, stdout=open(self.out, "w"),
+        self.process = subprocess.Popen([PHASESCAN, "live", *arguments, "--json", "--serve", "off"], env=ENVIRONMENT, stdout=open(self.out, "w"),
                                         stderr=open(self.err, "w"))
 
     def end(self):

@@ -321,7 +321,7 @@ class Talker {
   bool done() const { return next_ >= lines_.size(); }
   void say() {
     const json& line = lines_[next_];
-    const auto stamp = static_cast<std::int64_t>(std::llround(line["stamp"].get<double>() * 1e6)) * 1000 + kEpoch;
+    const auto stamp = static_cast<std::int64_t>(std::llround(line.value("stamp", 0.0) * 1e6)) * 1000 + kEpoch;
     if (options_.has("--odometry") && line.contains("odometry")) {
       const json& o = line["odometry"];
       Bytes bytes = tf_message(stamp, "odom", "base_link", {o["x"], o["y"], o["theta"]});
@@ -338,7 +338,7 @@ class Talker {
  private:
   Bytes scan_message(const json& line, std::int64_t stamp) const {
     std::vector<float> ranges;
-    for (const json& range : line["ranges"]) ranges.push_back(range.is_null() ? std::nanf("") : range.get<float>());
+    for (const json& range : line["ranges"]) ranges.push_back(range.is_number() ? range.get<float>() : std::nanf(""));
     const std::size_t beams = ranges.size();
     std::string frame = "laser";
     if (options_.has("--mangle") && next_ % 10 == 9) {

@@ -2,6 +2,7 @@
 // bytes by reading them with these definitions and writing them again (@foxglove/rosmsg2-serialization).
 // Usage: node check_ros2.mjs PRINT_ROS2; exit 77 (skipped) with one line where the packages are missing.
 import { execFileSync } from "node:child_process";
+import { createHash } from "node:crypto";
 import { existsSync } from "node:fs";
 import { createRequire } from "node:module";
 import { fileURLToPath } from "node:url";
@@ -46,11 +47,47 @@ const closure = (type, out = new Map()) => {
   return out;
 };
 
-let types = 0, messages = 0;
+// The hash of a published type, by REP 2011 as rosidl computes it.
+const kinds = { int8: 2, uint8: 3, int32: 6, uint32: 7, float32: 10, float64: 11, byte: 16, string: 17 };
+const long = (type) => (type.includes("/msg/") ? type : type.replace("/", "/msg/"));
+const json = (value) =>
+  Array.isArray(value) ? `[${value.map(json).join(", ")}]`
+  : typeof value === "object" ? `{${Object.entries(value).map(([k, v]) => `${JSON.stringify(k)}: ${json(v)}`).join(", ")}}`
+  : JSON.stringify(value);
+const hashOf = (type) => {
+  const parts = closureWithTime(type);
+  const described = (name) => ({ type_name: long(name), fields: parts.get(name).map((f) => {
+    const complex = !(f.type in kinds);
+    const capacity = f.isArray ? f.arrayLength ?? 0 : 0;
+    const offset = !f.isArray ? 0 : f.arrayLength ? 48 : 144;
+    return { name: f.name, type: { type_id: (complex ? 1 : kinds[f.type]) + offset, capacity, string_capacity: 0,
+      nested_type_name: complex ? long(f.type) : "" } };
+  }) });
+  const others = [...parts.keys()].filter((name) => name !== type).sort((a, b) => (long(a) < long(b) ? -1 : 1));
+  return "RIHS01_" + createHash("sha256")
+    .update(json({ type_description: described(type), referenced_type_descriptions: others.map(described) })).digest("hex");
+};
+const closureWithTime = (type, out = new Map()) => {
+  if (out.has(type)) return out;
+  const fields = type === "builtin_interfaces/Time"
+    ? [{ name: "sec", type: "int32" }, { name: "nanosec", type: "uint32" }]
+    : lookup(type).definitions.filter((f) => !f.isConstant).map((f) => ({ ...f, type: f.type === "time" ? "builtin_interfaces/Time"
+        : type === "diagnostic_msgs/DiagnosticStatus" && f.name === "level" ? "byte" : short(f.type) }));
+  out.set(type, fields);
+  for (const f of fields) if (!(f.type in kinds)) closureWithTime(f.type, out);
+  return out;
+};
+
+let hashes = 0, types = 0, messages = 0;
 const tools = new Map();
 for (const line of execFileSync(process.argv[2], { encoding: "utf8", maxBuffer: 1 << 28 }).trim().split("\n")) {
   const [kind, name, hex] = line.split(" ");
   const type = short(name), bytes = Buffer.from(hex, "hex");
+  if (kind === "hash") {
+    if (hashOf(type) !== hex) throw new Error(`${type}: published as ${hashOf(type)}, ours is ${hex}`);
+    hashes++;
+    continue;
+  }
   if (kind === "definition") {
     const ours = parse(bytes.toString(), { ros2: true });
     const named = new Map(ours.filter((d) => d.name).map((d) => [d.name, d]));
@@ -68,5 +105,5 @@ for (const line of execFileSync(process.argv[2], { encoding: "utf8", maxBuffer: 
   if (!again.equals(bytes)) throw new Error(`${type}: ${hex} was read and written as ${again.toString("hex")}`);
   messages++;
 }
-if (types < 11 || messages < 110) throw new Error(`${types} types, ${messages} messages: some are missing`);
+if (hashes < 11 || types < 11 || messages < 110) throw new Error(`${types} types, ${messages} messages: some are missing`);
 console.log(`${types} types as ROS publishes them, ${messages} messages read and written again to the same bytes`);

@@ -5,6 +5,7 @@
 
 #include "ros2/codec.hpp"
 #include "ros2/node_support.hpp"
+#include "ros2/type_hash.hpp"
 
 namespace {
 
@@ -27,6 +28,7 @@ int main() {
     const std::string text = definition<M>();
     std::printf("definition %s %s\n", type.c_str(),
                 hex({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}).c_str());
+    std::printf("hash %s %s\n", type.c_str(), std::string(type_hash(type)).c_str());
     for (std::uint64_t seed = 1; seed <= 10; ++seed)
       std::printf("message %s %s\n", type.c_str(), hex(encode(random_message<M>(seed))).c_str());
   });

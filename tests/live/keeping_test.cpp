@@ -94,6 +94,10 @@ TEST(Keeping, ARecordingIsNeverWrittenOver) {
   EXPECT_THAT(run.err, HasSubstr("a-2.mcap"));
   EXPECT_EQ(read(folder / "a-2.mcap").damages, 0U);
   EXPECT_EQ(free_name(mcap), folder / "a-3.mcap");
+  std::ofstream(folder / "a-3.mcap");  // an empty one is nobody's
+  EXPECT_EQ(free_name(mcap), folder / "a-3.mcap");
+  GrowingFile(folder / "a-3.mcap").write("x");
+  EXPECT_EQ(free_name(mcap), folder / "a-4.mcap");
 }
 
 TEST(Keeping, AKillCostsTheLastSecondAtMost) {
@@ -193,6 +197,7 @@ TEST(GrowingFile, ARefusedPieceIsCutOffAgain) {
   file.write(std::string(300, 'c'));
   EXPECT_EQ(slurp(folder / "f"), std::string(600, 'a') + std::string(300, 'c'));
   EXPECT_THROW(GrowingFile(folder / "f"), SystemError);
+  EXPECT_THROW(GrowingFile("/dev/null"), InputError);
 }
 
 }  // namespace

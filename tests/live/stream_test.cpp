@@ -18,6 +18,7 @@ class Streams : public ::testing::TestWithParam<Form> {};
 INSTANTIATE_TEST_SUITE_P(All, Streams, ::testing::ValuesIn(forms()),
                          [](const auto& form) { return name_of(form.param); });
 
+const std::vector<Form> kAll = forms();
 constexpr Stamp kStart = 1'000'000'000'000;
 
 /// Feeds packets as they come over the line: each arrives when its last sample was taken and its bytes were sent.
@@ -112,6 +113,51 @@ TEST_P(Streams, NoBeamOfAPacketWithAWrongBit) {
     }
     for (const Beam& beam : got.beams) ASSERT_TRUE(expected.contains(seen(beam))) << trial;
     EXPECT_FALSE(got.beams.empty());
+  }
+}
+
+TEST_P(Streams, WithoutACheckAWrongBitIsAWrongBeamAtMost) {
+  const Form form = GetParam();
+  if (form.checked) GTEST_SKIP() << "its packets carry a check";
+  const auto packets = packets_of(form, 4);
+  const auto right = joined(form, packets);
+  const auto clean = decoder_of(form.sensor);
+  const std::set<Seen> expected = all_seen(decode(*clean, right));
+  // What a sensor usually sends is known from its first telegram on.
+  const std::size_t from = opening(form).size() + packets.front().bytes.size();
+  std::mt19937 random(17);
+  std::size_t wrong = 0;
+  constexpr std::size_t kTrials = 400;
+  for (std::size_t trial = 0; trial < kTrials; ++trial) {
+    auto bytes = right;
+    bytes[from + random() % (bytes.size() - from)] ^= static_cast<std::uint8_t>(1U << random() % 8);
+    const auto decoder = decoder_of(form.sensor);
+    for (const Beam& beam : decode(*decoder, bytes).beams)
+      wrong += beam.state == BeamState::kHit && !expected.contains(seen(beam));
+  }
+  EXPECT_LE(wrong, kTrials);  // one byte was hit in each
+}
+
+TEST(Scip, AWrongLineCostsItsRangesAlone) {
+  const Form& form = *std::find_if(std::begin(kAll), std::end(kAll),
+                                   [](const Form& f) { return f.sensor == std::string_view("hokuyo"); });
+  const auto packets = packets_of(form, 3);
+  const auto clean = decoder_of(form.sensor);
+  const std::set<Seen> expected = all_seen(feed(*clean, form, packets));
+  auto damaged = packets;
+  for (WirePacket& packet : damaged) packet.bytes[packet.bytes.size() / 2] ^= 1;
+  const auto decoder = decoder_of(form.sensor);
+  const Decoded got = feed(*decoder, form, damaged);
+  for (const Beam& beam : got.beams) EXPECT_TRUE(expected.contains(seen(beam)));
+  TurnAssembler turns;
+  std::vector<Scan> scans;
+  turns.add(got.beams, decoder->range_min(), decoder->range_max(), scans);
+  ASSERT_GE(scans.size(), 2U);
+  for (const Scan& scan : scans) {
+    EXPECT_EQ(scan.size(), static_cast<std::size_t>(form.samples_per_turn));
+    // 64 characters touch 22 or 23 ranges of 3.
+    EXPECT_GE(scan.hit_count(), scan.size() - 23);
+    EXPECT_LE(scan.hit_count(), scan.size() - 21);
   }
 }
 

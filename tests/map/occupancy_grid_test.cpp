@@ -35,6 +35,34 @@ TEST(OccupancyGrid, OneRayMarksFreeCellsAndItsHit) {
   EXPECT_NEAR(grid.log_odds(3, 0), -5.0, 1e-9);
 }
 
+TEST(OccupancyGrid, WhatALaterDriveIsSureOfTakesThePlaceOfWhatWasKnown) {
+  OccupancyOptions options;
+  options.resolution_m = 0.1;
+  const Scan near = scan_of({1.0F}, 0.0, 0.1), far = scan_of({2.0F}, 0.0, 0.1);
+  OccupancyGrid before(options);
+  for (int k = 0; k < 100; ++k) before.add_scan(near, {0.05, 0.05, 0.0});
+  ASSERT_NEAR(before.log_odds(10, 0), 5.0, 1e-9);
+  for (const int looks : {1, 2, 3, 4, 10}) {
+    // The thing is gone: rays go through where it was, to the wall behind it.
+    OccupancyGrid now(options), map(options);
+    for (int k = 0; k < looks; ++k) now.add_scan(far, {0.05, 0.05, 0.0});
+    map.update_with(before);
+    EXPECT_NEAR(map.log_odds(10, 0), before.log_odds(10, 0), 1e-9);
+    map.update_with(now);
+    const double seen = std::max(-0.4 * looks, -5.0), kept = std::max(0.0, 1.0 + seen / 1.4);
+    EXPECT_NEAR(map.log_odds(10, 0), 5.0 * kept + seen, 0.05) << looks;
+    EXPECT_NEAR(map.log_odds(20, 0), std::min(0.9 * looks, 5.0), 1e-9);
+    EXPECT_FALSE(map.known(10, 1));  // where neither looked
+  }
+  // And what stands there now is there, wherever it was free.
+  OccupancyGrid open(options), now(options);
+  for (int k = 0; k < 100; ++k) open.add_scan(far, {0.05, 0.05, 0.0});
+  for (int k = 0; k < 2; ++k) now.add_scan(near, {0.05, 0.05, 0.0});
+  open.update_with(now);
+  EXPECT_GT(open.log_odds(10, 0), 1.7);
+  EXPECT_NEAR(open.log_odds(20, 0), 5.0, 1e-9);  // it was not looked at since
+}
+
 TEST(OccupancyGrid, FreeCellsAreThoseTheRayPassesThrough) {
   // Against brute force: sample each ray finely and collect the cells.
   Random random(12);

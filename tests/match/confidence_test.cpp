@@ -46,6 +46,36 @@ TEST(Confidence, ACovarianceFollowsHowFarPartnersLieApart) {
   EXPECT_FALSE(is_ambiguous(outcome));
 }
 
+TEST(Confidence, ACovarianceIsAsWideAsTheResidualsShow) {
+  SearchOutcome outcome = in_a_room();
+  const Eigen::Matrix3d usual = covariance_of(outcome);
+  outcome.residual_covariance = Eigen::Vector3d(1e-9, 4e-3, 1e-9).asDiagonal();
+  Eigen::Matrix3d covariance = covariance_of(outcome);
+  EXPECT_NEAR(covariance(0, 0), usual(0, 0), 1e-9) << "never surer than the noise of the ranges";
+  EXPECT_NEAR(covariance(1, 1), 8e-3, 1e-6);
+  EXPECT_NEAR(covariance(2, 2), usual(2, 2), 1e-9);
+  // Where two in three hits find no partner, those that do were chosen by how well they fit.
+  outcome.evidence.matched = 60.0;
+  covariance = covariance_of(outcome);
+  EXPECT_NEAR(covariance(1, 1), 4.0 * 8e-3, 1e-6);
+}
+
+TEST(Confidence, ARevolutionThatTurnsTurnsThePose) {
+  SearchOutcome outcome = in_a_room();
+  const Eigen::Matrix3d usual = covariance_of(outcome);
+  outcome.scan_turn_variance = 1e-4;
+  EXPECT_NEAR(covariance_of(outcome)(2, 2), usual(2, 2) + 1e-4, 1e-9);
+  EXPECT_NEAR(covariance_of(outcome)(0, 0), usual(0, 0), 1e-9);
+  // A turn of the reference moves the scan around it, (1, 0.5) away.
+  outcome.scan_turn_variance = 0.0;
+  outcome.reference_turn_variance = 1e-4;
+  const Eigen::Matrix3d covariance = covariance_of(outcome) - usual;
+  EXPECT_NEAR(covariance(2, 2), 1e-4, 1e-9);
+  EXPECT_NEAR(covariance(0, 0), 0.25e-4, 1e-9);
+  EXPECT_NEAR(covariance(1, 1), 1e-4, 1e-9);
+  EXPECT_NEAR(covariance(0, 2), -0.5e-4, 1e-9);
+}
+
 TEST(Confidence, WhereThePoseSlidesNothingIsKnownAlong) {
   // Either is enough: the score hardly drops a little way on, or what holds the pose is known to 5 cm only.
   for (const bool by_profile : {true, false}) {

@@ -8,6 +8,7 @@
 
 #include "phasescan/io/error.hpp"
 #include "io/file.hpp"
+#include "support/paths.hpp"
 
 namespace phasescan {
 namespace {
@@ -75,6 +76,42 @@ TEST_F(MapFile, NegateAndPlainPgm) {
   EXPECT_EQ(plain.cells, (std::vector<CellState>{CellState::kOccupied, CellState::kFree, CellState::kUnknown}));
   const TrinaryMap negated = read_map(put("n.yaml", yaml + "true\n"));
   EXPECT_EQ(negated.cells, (std::vector<CellState>{CellState::kFree, CellState::kOccupied, CellState::kOccupied}));
+}
+
+TEST_F(MapFile, ScaleAndRawModes) {
+  const std::string head =
+      "resolution: 0.1\norigin: [1, 2, 0.5]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+  put("r.pgm", std::string("P5\n5 1\n255\n") + std::string("\x00\x64\x13\x32\xFF", 5));
+  const TrinaryMap raw = read_map(put("r.yaml", head + "image: r.pgm\nmode: raw\n"));
+  EXPECT_EQ(raw.cells, (std::vector<CellState>{CellState::kFree, CellState::kOccupied, CellState::kFree,
+                                               CellState::kUnknown, CellState::kUnknown}));
+  EXPECT_DOUBLE_EQ(raw.origin.theta, 0.5);
+  // Grey and alpha: opaque black, transparent white.
+  const std::string png("\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR\x00\x00\x00\x02\x00\x00\x00\x01\x08\x04\x00\x00\x00", 26);
+  const std::string seed = read_file(test::source_dir() + "/fuzz/corpus/map/png-alpha");
+  EXPECT_EQ(seed.substr(0, 26), png);
+  put("a.png", seed);
+  const TrinaryMap scale = read_map(put("a.yaml", head + "image: a.png\nmode: scale\n"));
+  EXPECT_EQ(scale.cells, (std::vector<CellState>{CellState::kOccupied, CellState::kUnknown}));
+  EXPECT_THROW(read_map(put("x.yaml", head + "image: a.png\nmode: colour\n")), InputError);
+}
+
+/// Refused by the header: a file of a few bytes that claims 900 million pixels, and a real one, whose body is never
+/// read.
+TEST_F(MapFile, PicturesLargerThanAnyMapAreRefusedUnread) {
+  const std::string head = "resolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+  put("m.pgm", "P5\n30000 30000\n255\n");
+  std::filesystem::resize_file(folder_ / "m.pgm", 900'000'018);  // a hole: takes no room on the disk
+  for (const char* image : {"m.pgm", "png-too-large"}) {
+    const std::string path =
+        image == std::string("m.pgm") ? (folder_ / image).string() : test::source_dir() + "/fuzz/corpus/map/" + image;
+    try {
+      read_map(put("big.yaml", head + "image: " + path + "\n"));
+      ADD_FAILURE() << image;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("30000 x 30000"), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST_F(MapFile, BadFilesAreRefusedWithAReason) {

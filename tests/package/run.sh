@@ -11,8 +11,8 @@ cmake --install "$1" --prefix "$work/prefix" > /dev/null
 
 # What a component does not need may be missing.
 declare -A spare=([match]="Ceres SQLite3 PNG yaml-cpp ZLIB BZip2 fmt nlohmann_json" [fft_icp]="Ceres SQLite3 PNG yaml-cpp ZLIB BZip2 fmt nlohmann_json"
-  [slam]="SQLite3 PNG yaml-cpp fmt nlohmann_json" [io]="Ceres PNG nlohmann_json" [live]="PNG nlohmann_json" [phasescan]="PNG nlohmann_json")
-for component in match fft_icp slam io live phasescan; do
+  [slam]="SQLite3 PNG yaml-cpp fmt nlohmann_json" [localize]="SQLite3 PNG yaml-cpp fmt nlohmann_json" [io]="Ceres PNG nlohmann_json" [live]="PNG nlohmann_json" [phasescan]="PNG nlohmann_json")
+for component in match fft_icp slam localize io live phasescan; do
   missing=()
   for package in ${spare[$component]}; do missing+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
   configure "$work/$component" -DCOMPONENT=$component -DCMAKE_PREFIX_PATH="$work/prefix" "${missing[@]}"
@@ -22,7 +22,7 @@ for component in match fft_icp slam io live phasescan; do
 done
 
 export PKG_CONFIG_PATH="$(dirname "$(find "$work/prefix" -name phasescan-match.pc)")"
-for component in match fft_icp slam io live; do
+for component in match fft_icp slam localize io live; do
   # shellcheck disable=SC2046  # flags are words
   "$cxx" -std=c++20 "$clients/$component.cpp" -o "$work/client" $(pkg-config --cflags --libs "phasescan-$component")
   "$work/client"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import phasescan
-from phasescan.fleet import alike, cli, engine, files, groups, manifest, record, tables, ties
+from phasescan.fleet import alike, cli, engine, files, groups, joint, manifest, record, tables, ties
 from phasescan.fleet.ties import Tie
 
 
@@ -87,7 +87,7 @@ def test_alike_views_are_those_of_a_slow_search(tmp_path):
 
 
 def test_cells_lose_few_neighbours(tmp_path, monkeypatch):
-    numbers, turning = descriptors(np.random.default_rng(4), 6000)
+    numbers, turning = descriptors(np.random.default_rng(4), 6000, 0.6)
     first = np.arange(0, 6001, 5, dtype=np.int64)
     found = {}
     for limit in (20000, 1000):
@@ -131,6 +131,12 @@ def test_a_tie_needs_three_views_half_a_metre_apart():
     other = [(x, y, t) if k < 1 else (x, y + 1.0, t) for k, (x, y, t) in enumerate(way)]
     bent = {"poses": np.array(other), "ranges": views(way)["ranges"]}
     assert ties.tie_of(0, 1, views(way), bent, [(0, 0)]) is None
+    # Three agree, but four that must see the same see something else: a place that only looks alike.
+    long = [(0.6 * k - 1.6, 0.2 * (k % 2), 0.3 * k) for k in range(7)]
+    strange = views(long)
+    strange["ranges"][3:] = 1.5 + 0.5 * np.sin(np.arange(360) / 9)
+    assert ties.tie_of(0, 1, views(long), views(long), [(0, 0), (2, 2)]) is not None
+    assert ties.tie_of(0, 1, views(long), strange, [(0, 0), (2, 2)]) is None
 
 
 def test_rows_say_how_a_log_failed():
@@ -167,3 +173,17 @@ def test_files_appear_whole_or_not_at_all(tmp_path):
         files.write_json(tmp_path / "a.json", object())
     assert files.read_json(tmp_path / "a.json") == {"x": 1} and [p.name for p in tmp_path.iterdir()] == ["a.json"]
     assert files.read_json(tmp_path / "none.json") is None
+
+
+def test_parts_of_a_joint_map_are_told_by_name_or_by_order():
+    log = lambda number, path: manifest.Log(number, path, f"/data/{path}")
+    settings = record.Settings("/out", "/bin/phasescan")
+    three = joint.Group((log(2, "a.log"), log(5, "b.log"), log(7, "c.log")))
+    assert joint.joint_command(three, settings, "/w")[1] == "merge" and three.folder == "groups/000002"
+    turned = {"inputs": [{"log": "c.log", "folder": "1"}, {"log": "a.log", "folder": "1"}, {"log": "b.log", "folder": "2"}]}
+    assert joint._parts(three, turned) == [{"logs": [2, 7], "map": "groups/000002/1/map.yaml"}, {"logs": [5], "map": "groups/000002/2/map.yaml"}]
+    alike_names = joint.Group((log(1, "x/a.log"), log(3, "y/a.log")))
+    assert joint.joint_command(alike_names, settings, "/w")[1:4] == ["slam", "/data/x/a.log", "/data/y/a.log"]
+    assert joint._parts(alike_names, {"inputs": [{"log": "a.log"}, {"log": "a.log"}]}) == [{"logs": [1, 3], "map": "groups/000001/map.yaml"}]
+    rows = [{"status": "done"}, {"status": "broken"}]
+    assert joint.groups_file([log(1, "a"), log(2, "b")], rows, []) == [{"logs": ["a"], "map": "logs/000001-a/map.yaml"}]

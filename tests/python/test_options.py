@@ -32,7 +32,7 @@ def test_options_are_keywords_sections_or_objects():
 
 
 def test_every_option_can_be_set_to_itself_and_is_described():
-    for kind in (phasescan.MatchOptions, phasescan.OdometryOptions, phasescan.SlamOptions):
+    for kind in (phasescan.MatchOptions, phasescan.OdometryOptions, phasescan.SlamOptions, phasescan.LocalizeOptions):
         defaults = kind()
         assert kind(defaults.to_dict()) == defaults
         rows = defaults.describe()

@@ -17,7 +17,7 @@ def test_all_that_is_public_is_explained():
             for member, value in vars(item).items():
                 if not member.startswith("_") and member not in ("file", "line", "reason"):
                     assert getattr(value, "__doc__", None), f"{name}.{member}"
-    for function in (phasescan.match, phasescan.match_many, phasescan.open_log, phasescan.simulate, phasescan.evaluate, phasescan.live, phasescan.plot):
+    for function in (phasescan.match, phasescan.match_many, phasescan.open_log, phasescan.simulate, phasescan.evaluate, phasescan.live, phasescan.locate, phasescan.plot):
         for part in ("Parameters\n", "Returns\n"):
             assert part in inspect.getdoc(function), function
 

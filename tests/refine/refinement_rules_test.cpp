@@ -133,5 +133,63 @@ TEST(Refinement, NoiseOfTheNormalsIsNoInformationAlongBareWalls) {
   EXPECT_LT(along, 3e-3 * across);
 }
 
+/// Of 360 hits in a room, at the pose that the refinement finds; with its partners as with none known.
+Eigen::Matrix3d residual_covariance(const PreparedScan& reference, const PreparedScan& scan, const Pose2& guess) {
+  const PointToLineOptions options;
+  PointToLineWorkspace known, none;
+  const PointToLineResult found =
+      refine_point_to_line(reference.model(), scan.model(), guess, options, scan.all, &reference.all, known);
+  EXPECT_TRUE(found.converged);
+  std::vector<NormalEquations> work;
+  const auto with = [&](PointToLineWorkspace& partners) {
+    return covariance_of_residuals(reference.model(), scan.model(), found.T_ref_scan, {options.gate_end_m, 0.0, 0.75},
+                                   scan.all, &reference.all, partners, work);
+  };
+  const Eigen::Matrix3d anew = with(none);
+  EXPECT_LT((with(known) - anew).norm(), 0.1 * anew.norm());
+  return anew;
+}
+
+TEST(ResidualCovariance, FollowsTheErrorsOfTheScans) {
+  const auto with_noise = [](double sigma) {
+    Eigen::Matrix3d mean = Eigen::Matrix3d::Zero();
+    for (int seed = 0; seed < 20; ++seed)
+      mean += residual_covariance(prepared(test::cast_room({}, 360, sigma, 0.0, 2 * seed + 1)),
+                                  prepared(test::cast_room({0.2, 0.1, 0.3}, 360, sigma, 0.0, 2 * seed + 2)),
+                                  {0.2, 0.1, 0.3}) /
+              20.0;
+    return mean;
+  };
+  const double exact = with_noise(0.0).trace(), small = with_noise(0.004).trace(), large = with_noise(0.016).trace();
+  EXPECT_LT(exact, 0.3 * small);
+  EXPECT_GT(large, 3.0 * small);
+  EXPECT_LT(large, 30.0 * small);
+}
+
+TEST(ResidualCovariance, CoversTheErrorsOfBentScans) {
+  // Beams of a whole quarter look past their direction by 1 deg: the noise of the ranges says nothing of it.
+  Pose2 truth{0.2, 0.1, 0.3};
+  const PreparedScan reference = prepared(test::cast_room({}, 360, 0.002, 0.0, 1));
+  Scan bent = test::cast_room(truth, 360, 0.002, 0.0, 2);
+  const Eigen::Matrix3d straight = residual_covariance(reference, prepared(bent), truth);
+  std::rotate(bent.ranges.begin(), bent.ranges.begin() + 1, bent.ranges.begin() + 90);
+  const PreparedScan scan = prepared(bent);
+  const Eigen::Matrix3d covariance = residual_covariance(reference, scan, truth);
+  EXPECT_GT(covariance(2, 2), 3.0 * straight(2, 2));
+  const Pose2 found = refine_point_to_line(reference.model(), scan.model(), truth, {}).T_ref_scan;
+  EXPECT_LT(std::abs(found.theta - truth.theta), 4.0 * std::sqrt(covariance(2, 2)));
+  EXPECT_GT(std::abs(found.theta - truth.theta), 0.2 * std::sqrt(covariance(2, 2)));
+}
+
+TEST(ResidualCovariance, OfHitsThatHoldNothingIsZero) {
+  const PreparedScan scan = wall();
+  PointToLineWorkspace partners;
+  std::vector<NormalEquations> work;
+  EXPECT_EQ(
+      covariance_of_residuals(scan.model(), scan.model(), {}, {0.1, 0.0, 0.75}, scan.all, nullptr, partners, work),
+      Eigen::Matrix3d::Zero())
+      << "along the wall";
+}
+
 }  // namespace
 }  // namespace phasescan

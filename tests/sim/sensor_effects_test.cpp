@@ -414,5 +414,19 @@ TEST(SensorEffects, AFileMayStartFromAnother) {
   EXPECT_EQ(lidar.range_max_m, read_lidar("ld06").range_max_m);
 }
 
+TEST(SensorEffects, ATurnOfSamplesInStepIsSaidBesideByHalfABeam) {
+  LidarOptions lidar;
+  lidar.beams = 360;
+  lidar.fov_deg = 360.0;
+  lidar.rate_hz = 10.0;
+  EXPECT_EQ(revolution_turn_sigma(lidar), 0.0);
+  lidar.effects.revolution_turn_deg = 0.3;
+  EXPECT_NEAR(revolution_turn_sigma(lidar), deg_to_rad(0.3), 1e-9);
+  lidar.effects.sample_rate_hz = 3600.0;
+  EXPECT_NEAR(revolution_turn_sigma(lidar), deg_to_rad(std::hypot(0.3, 1.0 / std::sqrt(12.0))), 1e-9);
+  lidar.effects.sample_rate_hz = 3500.0;  // ten beams out of step in a turn
+  EXPECT_LT(revolution_turn_sigma(lidar), deg_to_rad(0.302));
+}
+
 }  // namespace
 }  // namespace phasescan::sim

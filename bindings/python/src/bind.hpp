@@ -26,6 +26,7 @@ void bind_logs(py::module_& module);
 void bind_live(py::module_& module);
 void bind_simulation(py::module_& module);
 void bind_evaluation(py::module_& module);
+void bind_localize(py::module_& module);
 void bind_places(py::module_& module);
 
 /// A keyword or value that an option does not know: a TypeError and a ValueError at once.

@@ -20,5 +20,6 @@ PYBIND11_MODULE(_core, module) {
   bind_live(module);
   bind_simulation(module);
   bind_evaluation(module);
+  bind_localize(module);
   bind_places(module);
 }

@@ -128,6 +128,8 @@ void bind_options(py::module_& module) {
   bind_root<MatcherOptions>(module, "MatchOptions", (std::string("Options of matching, by section.") + kHow).c_str());
   bind_root<TrackingOptions>(module, "OdometryOptions", (std::string("Options of odometry.") + kHow).c_str());
   bind_root<MappingOptions>(module, "SlamOptions", (std::string("Options of SLAM, by section.") + kHow).c_str());
+  bind_root<LocalizingOptions>(module, "LocalizeOptions",
+                               (std::string("Options of localisation, by section.") + kHow).c_str());
 }
 
 }  // namespace phasescan::python

@@ -10,6 +10,7 @@
 #include "io/nearest_word.hpp"
 #include "methods/any_options.hpp"
 #include "phasescan/core/options.hpp"
+#include "phasescan/localize/options.hpp"
 #include "phasescan/slam/options.hpp"
 
 namespace phasescan::python {
@@ -36,6 +37,18 @@ struct MappingOptions {
     SlamOptions::visit_sections(self.slam, v);
     v("match", self.slam.match.match);
     v("global", self.slam.match.global);
+  }
+};
+
+/// All that localisation reads.
+struct LocalizingOptions {
+  LocalizeOptions localize;
+  OdometryOptions odometry;
+
+  template <class Self, class Visitor>
+  static void visit_sections(Self& self, Visitor&& v) {
+    v("localize", self.localize);
+    v("odometry", self.odometry);
   }
 };
 

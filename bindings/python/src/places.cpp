@@ -21,9 +21,11 @@ namespace phasescan::python {
 namespace {
 
 constexpr int kViewBeams = 360;
-constexpr int kViewNodes = 6;  // keyframes before it that a view is made of as well
-constexpr int kEvery = 2;      // keyframes to a view
+constexpr int kViewNodes = 6;        // keyframes before it that a view is made of as well
+constexpr double kViewApartM = 0.4;  // so their number grows with the places, not with the time spent in them
 constexpr double kMostSigmaM = 0.1;
+// Share of the hits that may lie where the other view looked through, of a match that says what others have said.
+constexpr double kMostViolationAgreeing = 0.1;
 constexpr std::int32_t kNumbersCount = 3;  // as PlaceIndex weighs them
 // Squared distance of descriptors beyond which they are of different places, as PlaceSearch has it.
 constexpr auto kMostDistance = static_cast<std::int64_t>(kDescriptorLength * kDescriptorLength);
@@ -39,7 +41,7 @@ struct View {
   PlaceDescriptor descriptor;
 };
 
-/// Views at every other keyframe of the largest piece of a saved run's map.
+/// Views at keyframes of the largest piece of a saved run's map.
 std::vector<View> views_of(const SavedRun& run) {
   const SlamState::Data& data = run.state.data();
   Backend backend(run.options, data.backend);
@@ -48,9 +50,11 @@ std::vector<View> views_of(const SavedRun& run) {
   PlaceDescriber describer;
   ScanPoints points;
   std::vector<View> views;
-  for (std::size_t i = 0; i < backend.keyframes().size(); i += kEvery) {
-    if (!pieces.in_largest(i)) continue;
-    View view{backend.poses()[i], view_at(backend.keyframes(), backend.poses(), static_cast<int>(i), kViewNodes), {}};
+  for (std::size_t i = 0; i < backend.keyframes().size(); ++i) {
+    const Pose2& here = backend.poses()[i];
+    const auto near = [&](const View& view) { return translation_distance(view.T_map_view, here) < kViewApartM; };
+    if (!pieces.in_largest(i) || std::any_of(views.begin(), views.end(), near)) continue;
+    View view{here, view_at(backend.keyframes(), backend.poses(), static_cast<int>(i), kViewNodes), {}};
     scan_to_points(view.scan, points);
     view.descriptor = describer.describe(points.x, points.y);
     views.push_back(std::move(view));
@@ -92,13 +96,14 @@ double most_sigma(const Eigen::Matrix3d& covariance) {
   return std::sqrt(0.5 * (covariance(0, 0) + covariance(1, 1)) + std::hypot(half, covariance(0, 1)));
 }
 
-/// Matches views a[k] and b[k] with no guess: whether they show one place, and T_a_b.
+/// Matches views a[k] and b[k] with no guess: whether they show one place by themselves, whether the match is good
+/// enough to count where it says what others have said, and T_a_b.
 py::tuple match_views(const Floats& a, const Floats& b) {
   if (a.ndim() != 2 || b.ndim() != 2 || a.shape(1) != kViewBeams || b.shape(1) != kViewBeams ||
       a.shape(0) != b.shape(0))
     throw std::invalid_argument("a, b: expected views of shape (n, 360)");
   const auto n = static_cast<std::size_t>(a.shape(0));
-  std::vector<char> same(n, 0);
+  std::vector<char> same(n, 0), usable(n, 0);
   std::vector<Pose2> poses(n);
   {
     const py::gil_scoped_release release;
@@ -106,11 +111,14 @@ py::tuple match_views(const Floats& a, const Floats& b) {
     for (std::size_t k = 0; k < n; ++k) {
       const MatchResult match = matcher.match(view_scan(a.data(static_cast<py::ssize_t>(k), 0)),
                                               view_scan(b.data(static_cast<py::ssize_t>(k), 0)));
-      same[k] = is_same_place(match) && most_sigma(match.covariance) < kMostSigmaM;
+      const bool sharp = match.usable && most_sigma(match.covariance) < kMostSigmaM;
+      same[k] = sharp && is_same_place(match);
+      usable[k] = sharp && match.diagnostics.violation <= kMostViolationAgreeing;
       poses[k] = match.T_ref_scan;
     }
   }
-  return py::make_tuple(value_array<bool>(same, [](char c) { return c != 0; }),
+  const auto truth = [](char c) { return c != 0; };
+  return py::make_tuple(value_array<bool>(same, truth), value_array<bool>(usable, truth),
                         pose_array(poses, [](const Pose2& p) { return p; }));
 }
 

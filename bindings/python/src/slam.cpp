@@ -10,17 +10,11 @@
 
 #include "bind.hpp"
 #include "options.hpp"
-#include "phasescan/slam/state.hpp"
 #include "slam.hpp"
 #include "tracking.hpp"
 
 namespace phasescan::python {
 namespace {
-
-/// A state with the options of its run: what a file holds.
-struct PyState {
-  SavedRun run;
-};
 
 PyState load_state(const std::filesystem::path& path) {
   return {read_state(path.string())};

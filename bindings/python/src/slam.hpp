@@ -9,10 +9,16 @@
 #include "bind.hpp"
 #include "options.hpp"
 #include "phasescan/slam/slam.hpp"
+#include "phasescan/slam/state.hpp"
 
 namespace phasescan::python {
 
 void bind_slam_result(py::module_& module);
+
+/// A state with the options of its run: what a file holds.
+struct PyState {
+  SavedRun run;
+};
 
 /// Several threads of Python may hold it: one works at a time.
 struct PySlam {

@@ -54,6 +54,7 @@ struct OccupancyOptions {
   double miss_log_odds = -0.4;
   double missing_log_odds = -0.1;  ///< of a beam that came back from nowhere, short of what its neighbours saw
   double clamp_log_odds = 5.0;     ///< so that a cell can change its mind
+  bool update = false;             ///< a later drive says more than those before it
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -64,6 +65,8 @@ struct OccupancyOptions {
     v("missing_log_odds", self.missing_log_odds,
       OptionInfo{"", "what a beam without a return adds, short of its neighbours' hits", -5, 0});
     v("clamp_log_odds", self.clamp_log_odds, OptionInfo{"", "no cell is surer than this", 0.5, 6});
+    v("update", self.update,
+      OptionInfo{"", "where a later drive looked, what earlier ones saw fades: the map shows what stands there now"});
   }
 };
 

@@ -10,12 +10,15 @@ struct MatchGeneralOptions {
   bool fast = false;
   double min_confidence = 0.9;
   int min_points = 10;
+  double revolution_turn_deg = -1.0;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("fast", self.fast, OptionInfo{"", "trade a little robustness for time (global)"});
     v("min_confidence", self.min_confidence, OptionInfo{"", "usable above this probability (global)", 0, 1});
     v("min_points", self.min_points, OptionInfo{"", "fewer hits in either scan: no answer", 1, 1e6});
+    v("revolution_turn_deg", self.revolution_turn_deg,
+      OptionInfo{"deg", "whole revolutions turn by this (standard deviation); below 0: from the beams", -1, 10});
   }
 };
 

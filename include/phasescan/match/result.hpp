@@ -42,8 +42,10 @@ struct MatchTimes {
 /// How a match came about: for tables and for those who look inside. Nothing of it is needed to act on an answer.
 struct MatchDiagnostics {
   RotationSource rotation_source = RotationSource::kNone;
-  int iterations = 0;            ///< of the refinement
-  double violation = 0.0;        ///< share of the hits of both where the other scan looked through, 0..1 (global)
+  int iterations = 0;      ///< of the refinement
+  double violation = 0.0;  ///< share of the hits of both where the other scan looked through, 0..1 (global)
+  Eigen::Matrix3d noise_covariance =
+      Eigen::Matrix3d::Identity() * 1e6;  ///< part of `covariance` that the noise of the ranges leaves (global)
   std::vector<double> features;  ///< what the confidence was computed from, see docs/global.md; empty without one
   MatchTimes ms;
 };

@@ -119,10 +119,29 @@ struct ScanResult {
 
 /// Something that speaks against the finished map, or that was done to save it.
 struct RunFinding {
-  std::string kind;  ///< "bad_scans", "own_body"
+  std::string kind;  ///< "bad_scans", "own_body", "aliasing", "wheels", "pieces", "doubled_walls", "contradiction",
+                     ///< "gaps", "frames"
   std::size_t count = 0;
   Stamp first_stamp = 0;
   std::string what;  ///< for people
+  ScanId scan = -1;  ///< where to look: the scan that stands there; -1: at no single place
+};
+
+enum class Verdict {
+  kGood,      ///< probability >= 0.95
+  kDoubtful,  ///< between
+  kFailed,    ///< probability <= 0.2, or fewer than half of the scans with a return stand on one map
+};
+/// "good", "doubtful", "failed".
+const char* to_string(Verdict verdict);
+
+/// What a run says of itself. The reasons are the result's findings.
+struct RunVerdict {
+  Verdict verdict = Verdict::kFailed;
+  /// That the trajectory's absolute error (root mean square) is within 0.2 m or 1 % of the way: calibrated on simulated
+  /// runs, clean and dirty.
+  double probability = 0.0;
+  std::map<std::string, double> evidence;  ///< numbers that it rests on, by name
 };
 
 /// The finished run: all that outputs need.
@@ -137,7 +156,8 @@ struct SlamResult {
   LoopCounts loops;
   WheelCounts wheels;
   std::map<std::string, InputOddity> oddities;
-  std::vector<RunFinding> findings;
+  std::vector<RunFinding> findings;  ///< reasons of the verdict, strongest first
+  RunVerdict verdict;
   /// Whether motion was taken out of the scans in the end: not where turns showed that the stated times are wrong.
   bool deskewed = true;
   /// Of each drive (Slam::begin_session) its first scan, and which of the parts it is in (0 where there are none).

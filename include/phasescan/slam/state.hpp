@@ -61,6 +61,20 @@ struct StateSummary {
 };
 StateSummary summarize(const SlamState& state);
 
+/// Several runs as one.
+struct MergedStates {
+  SlamState state;
+  /// Which of the given runs comes first, second, ... in it: they stand in the order of time, so that the order in
+  /// which they were given says no more than the frame.
+  std::vector<std::size_t> order;
+};
+/// Ties runs to each other where they show the same places, with no guess. The frame is that of the first one given;
+/// what cannot be tied to it stays a piece by itself, kilometres beside. Going on, the merged run goes on with the
+/// last.
+/// @throws std::invalid_argument for no run, one without a scan, or options by which their scans are not kept
+/// @cost 2 ms a keyframe
+MergedStates merge_states(const std::vector<SlamState>& runs, const SlamOptions& options);
+
 /// Options that differ between two runs and matter for going on: "odometry.cell_m 0.1, was 0.05".
 struct OptionDifferences {
   std::vector<std::string> harmless;  ///< what follows is tracked otherwise

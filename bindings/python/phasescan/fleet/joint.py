@@ -1,4 +1,4 @@
-"""Stage 3: one map of the logs of a group, by `phasescan slam` of all of them, with no guess."""
+"""Stage 3: one map of the logs of a group, by `phasescan merge` of their states, with no guess."""
 from __future__ import annotations
 
 import dataclasses
@@ -59,17 +59,25 @@ def map_group(group: Group, settings: Settings) -> dict[str, Any]:
 
 
 def joint_command(group: Group, settings: Settings, folder: str) -> list[str]:
-    """What maps the logs of a group together: drives that are tied with no guess, even where one ends as another begins."""
+    """What maps the logs of a group together. Merged states tell their logs by name: where two have one, all are read anew, in order."""
+    if len(_names(group)) == len(group.logs):
+        states = [str(settings.place(log) / "run.state") for log in group.logs]
+        return [settings.command, "merge", *states, "--out", folder, "--save", f"{folder}/run.state"]
     logs = [log.path for log in group.logs]
     return [settings.command, "slam", *logs, "--out", folder, "--save", f"{folder}/run.state", "--no-times", *settings.arguments]
 
 
+def _names(group: Group) -> dict[str, int]:
+    return {pathlib.PurePath(log.path).name: log.number for log in group.logs}
+
+
 def _parts(group: Group, summary: dict[str, Any]) -> list[dict[str, Any]]:
-    """Inputs stand in the order in which they were given; files of two folders may have one name."""
+    names = _names(group)
+    by_name = len(names) == len(group.logs)
     parts: dict[str, list[int]] = {}
     for log, entry in zip(group.logs, summary["inputs"], strict=True):
-        parts.setdefault(entry.get("folder", ""), []).append(log.number)
-    return [{"logs": parts[name], "map": "/".join(filter(None, (group.folder, name, "map.yaml")))} for name in sorted(parts, key=_number)]
+        parts.setdefault(entry.get("folder", ""), []).append(names[entry["log"]] if by_name else log.number)
+    return [{"logs": sorted(parts[name]), "map": "/".join(filter(None, (group.folder, name, "map.yaml")))} for name in sorted(parts, key=_number)]
 
 
 def _number(name: str) -> int:

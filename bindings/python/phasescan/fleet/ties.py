@@ -1,7 +1,8 @@
 """Stage 2, second half: which logs share a place. A tie is three matches, from views half a metre apart, that agree.
 
-A match of two views is a witness of where one log's map lies on the other's. Witnesses from one stop are one. What they agree on is
-then held against all views that must see the same: where most of those do not match, it was a place that only looks alike.
+A match of two views of one place is a witness of where one log's map lies on the other's. Witnesses from one stop are one. What they
+agree on is then held against views that must see the same, matched with no guess as well; there a match counts that says the same,
+even where people or furniture have moved. Where most say something else, it was a place that only looks alike.
 """
 from __future__ import annotations
 
@@ -48,7 +49,7 @@ def witnesses_of(own: dict[str, Any], others: dict[int, dict[str, Any]], alike: 
         return []
     a = own["ranges"][alike[:, 0]]
     b = np.stack([others[int(other)]["ranges"][int(view)] for _, other, view in alike])
-    same, _ = _places.match_views(a, b)
+    same, _, _ = _places.match_views(a, b)
     return [(int(i), int(other), int(j)) for (i, other, j), is_same in zip(alike, same) if is_same]
 
 
@@ -59,10 +60,10 @@ def tie_of(a: int, b: int, views_a: dict[str, Any], views_b: dict[str, Any], pai
         checked = _pairs_to_check(views_a["poses"], views_b["poses"], T_a_b)
         if len(checked) < WITNESSES:
             continue
-        same, poses = _places.match_views(views_a["ranges"][checked[:, 0]], views_b["ranges"][checked[:, 1]])
+        _, usable, poses = _places.match_views(views_a["ranges"][checked[:, 0]], views_b["ranges"][checked[:, 1]])
         # Two maps may each be bent a little: each witness is held against what the others say of its own place.
         told = [_map_pose(views_a["poses"][i], pose, views_b["poses"][j]) for (i, j), pose in zip(checked, poses)]
-        good = [k for k in range(len(checked)) if same[k] and agree(_seen(views_a, views_b, checked[k], T_a_b), Pose2(*poses[k]))]
+        good = [k for k in range(len(checked)) if usable[k] and agree(_seen(views_a, views_b, checked[k], T_a_b), Pose2(*poses[k]))]
         if len(good) >= WITNESSES and len(good) >= LEAST_SHARE * len(checked) and (best is None or len(good) > best.witnesses):
             middle = told[good[len(good) // 2]]
             best = Tie(a, b, (middle.x, middle.y, middle.theta), len(good), len(checked))
@@ -82,7 +83,7 @@ def _map_pose(a: Floats, between: Floats, b: Floats) -> Pose2:
 def _hypotheses(views_a: dict[str, Any], views_b: dict[str, Any], pairs: Sequence[tuple[int, int]]) -> list[Pose2]:
     """What the matches say of the two maps, what most agree on first."""
     pairs = sorted(set(pairs))
-    _, poses = _places.match_views(views_a["ranges"][[i for i, _ in pairs]], views_b["ranges"][[j for _, j in pairs]])
+    _, _, poses = _places.match_views(views_a["ranges"][[i for i, _ in pairs]], views_b["ranges"][[j for _, j in pairs]])
     told = [_map_pose(views_a["poses"][i], pose, views_b["poses"][j]) for (i, j), pose in zip(pairs, poses)]
     left = list(range(len(told)))
     out: list[Pose2] = []

@@ -1,0 +1,54 @@
+#include "live_output.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "commands.hpp"
+
+namespace phasescan::app {
+namespace {
+
+std::string json_line(const live::LiveUpdate& live) {
+  const ScanUpdate& update = live.update;
+  const Pose2 pose = update.T_map_base();
+  std::string line =
+      fmt::format(R"({{"stamp": {:.6f}, "status": "{}", "pose": {{"x": {:.4f}, "y": {:.4f}, "theta": {:.5f}}}, )",
+                  stamp_to_seconds(update.stamp), to_string(update.status), pose.x, pose.y, pose.theta);
+  const Eigen::Matrix3d covariance = update.map_covariance.value_or(update.odom_covariance);
+  line += "\"covariance\": [";
+  for (int i = 0; i < 9; ++i) line += fmt::format("{}{:.6g}", i > 0 ? ", " : "", covariance(i / 3, i % 3));
+  return line + fmt::format("], \"confidence\": {:.3f}, \"latency_ms\": {:.2f}}}\n", live.confidence, live.latency_ms);
+}
+
+}  // namespace
+
+LiveOutput::LiveOutput(bool json) : json_(json), terminal_(::isatty(STDERR_FILENO) != 0 && !json) {}
+
+void LiveOutput::take(const live::LiveUpdate& update) {
+  if (json_) {
+    print(json_line(update));
+    flush();
+    return;
+  }
+  const Pose2 pose = update.update.T_map_base();
+  const std::string status = to_string(update.update.status);
+  if (terminal_) {
+    std::fprintf(stderr, "\r%-12s x %7.2f m  y %7.2f m  heading %6.1f deg  %5.1f ms ", status.c_str(), pose.x, pose.y,
+                 rad_to_deg(pose.theta), update.latency_ms);
+  } else if (status != before_) {
+    std::fprintf(stderr, "phasescan: %s\n", status.c_str());
+  }
+  before_ = status;
+}
+
+void LiveOutput::tell(const std::string& text) const {
+  std::fprintf(stderr, "%sphasescan: %s\n", terminal_ ? "\n" : "", text.c_str());
+}
+
+void LiveOutput::end() const {
+  if (terminal_) std::fprintf(stderr, "\n");
+}
+
+}  // namespace phasescan::app

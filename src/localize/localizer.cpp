@@ -1,0 +1,238 @@
+#include "phasescan/localize/localizer.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "localize/likelihood.hpp"
+#include "localize/locate.hpp"
+#include "localize/map_data.hpp"
+#include "localize/pose_confidence.hpp"
+#include "odometry/information.hpp"
+
+namespace phasescan {
+namespace {
+
+// A scan from so far away, or turned so far, is another view: what it says is new.
+constexpr double kNewViewM = 0.25, kNewViewRad = 0.35;
+constexpr double kViewShare = 0.5;   // of a view's log-likelihood that counts: views overlap
+constexpr double kKeepGap = 18.0;    // hypotheses this far behind are dropped
+constexpr double kViewMargin = 4.0;  // a view that fits a lone hypothesis makes it surer by this
+constexpr double kPoorShare = 0.6;   // of the usual share of hits explained: less is a poor fit
+constexpr double kLeastExplained = 0.35;
+constexpr double kMemory = 0.97;
+constexpr double kClearlyBetter = 10.0;  // of log-likelihood, for a pose elsewhere to be taken instead
+constexpr double kLostAfterS = 1.0;
+constexpr int kLostAfterScans = 10;
+// Odometry is off by this a step beside a share of it [m], [rad].
+constexpr double kStepM = 0.01, kStepRad = 0.005, kStepShare = 0.1;
+constexpr int kSearchEveryScans = 5;  // while lost
+
+struct State {
+  HypothesisSet set;
+  std::optional<PoseEstimate> given;  ///< by initialize, for the next scan
+  Pose2 T_odom_last, T_odom_view;
+  double way_since_search = 0.0;
+  double usual_explained = 0.7;
+  Stamp poor_since = 0;
+  int poor_scans = 0;
+  int scans_since_search = 0;
+  bool located = false;
+  ScanId scans = 0;
+};
+
+}  // namespace
+
+struct Localizer::Impl {
+  LocalizationMap map;
+  LocalizeOptions options;
+  OdometryOptions odometry_options;
+  Odometry odometry;
+  State state;
+  QueryWorkspace query_work;
+  GlobalSearchWorkspace search_work;
+
+  LocalizationUpdate add(const RangeMeasurement& measurement);
+  void take_given(const QueryScan& query, const Pose2& T_odom_base);
+  void track(const QueryScan& query, const OdometryUpdate& odometry_update, bool new_view);
+  bool fits_poorly(const OdometryUpdate& odometry_update) const;
+  bool wants_search(bool poor, TrackingStatus status) const;
+  void search(const QueryScan& query, const Pose2& T_odom_base, bool poor);
+  void judge(bool poor, Stamp stamp, LocalizationUpdate& update);
+  std::size_t most() const { return static_cast<std::size_t>(options.max_hypotheses); }
+};
+
+/// The pose that was given, and places around it as far as it is unsure.
+void Localizer::Impl::take_given(const QueryScan& query, const Pose2& T_odom_base) {
+  const Pose2 T_grid_given = map.data().T_map_grid.inverse() * state.given->T_map_base;
+  const Eigen::Matrix3d& covariance = state.given->covariance;
+  const double spread_m = std::min(2.0, 2.0 * std::sqrt(std::max(covariance(0, 0), covariance(1, 1))));
+  const double spread_rad = std::min(1.0, 2.0 * std::sqrt(covariance(2, 2)));
+  const int shifts = static_cast<int>(std::ceil(spread_m / 0.3)),
+            turns = static_cast<int>(std::ceil(spread_rad / 0.15));
+  std::vector<FoundPose> found;
+  for (int a = -turns; a <= turns; ++a) {
+    for (int i = -shifts; i <= shifts; ++i) {
+      for (int k = -shifts; k <= shifts; ++k)
+        found.push_back(match_near(
+            map.data(), query,
+            {T_grid_given.x + 0.3 * i, T_grid_given.y + 0.3 * k, wrap_angle(T_grid_given.theta + 0.15 * a)}));
+    }
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const FoundPose& a, const FoundPose& b) { return a.fit.log_likelihood > b.fit.log_likelihood; });
+  found.resize(1);
+  state.set.restart(found, T_odom_base, kKeepGap, most());
+  state.given.reset();
+}
+
+/// Every hypothesis moves with odometry and is matched near where that leads.
+void Localizer::Impl::track(const QueryScan& query, const OdometryUpdate& odometry_update, bool new_view) {
+  const Pose2 step = state.T_odom_last.inverse() * odometry_update.T_odom_base;
+  const double off_m = kStepM + kStepShare * std::hypot(step.x, step.y),
+               off_rad = kStepRad + kStepShare * std::abs(step.theta);
+  for (Hypothesis& h : state.set.all) {
+    PosePrior prior;
+    prior.T_map_base = h.T_grid_odom * odometry_update.T_odom_base;
+    Eigen::Matrix3d covariance = h.at.covariance;
+    covariance.diagonal() += Eigen::Vector3d(off_m * off_m, off_m * off_m, off_rad * off_rad);
+    prior.information = covariance.inverse() / kMatchTrust;
+    FoundPose found = match_near(map.data(), query, prior.T_map_base, prior);
+    if (!found.T_grid_base.is_finite() || found.fit.explained < 0.5 * kLeastExplained) {
+      found.T_grid_base = prior.T_map_base;
+      found.fit = fit_to_map(map.data().grid, query.beams, found.T_grid_base);
+      found.covariance = covariance;
+    }
+    h.at = found;
+    h.T_grid_odom = found.T_grid_base * odometry_update.T_odom_base.inverse();
+    if (new_view) h.weight += kViewShare * found.fit.log_likelihood;
+  }
+  state.set.prune(kKeepGap, most());
+}
+
+bool Localizer::Impl::fits_poorly(const OdometryUpdate& odometry_update) const {
+  if (state.set.empty()) return true;
+  const double explained = state.set.all.front().at.fit.explained;
+  return explained < kLeastExplained || explained < kPoorShare * state.usual_explained ||
+         odometry_update.status == TrackingStatus::kLost || odometry_update.diagnostics.new_segment;
+}
+
+bool Localizer::Impl::wants_search(bool poor, TrackingStatus status) const {
+  if (state.set.empty()) return state.scans_since_search == 0 || state.scans_since_search >= kSearchEveryScans;
+  if (poor) return state.poor_scans <= 2 || state.scans_since_search >= kSearchEveryScans;
+  return status != TrackingStatus::kOk && state.way_since_search > options.search_every_m;
+}
+
+void Localizer::Impl::search(const QueryScan& query, const Pose2& T_odom_base, bool poor) {
+  const std::vector<FoundPose> found = search_thoroughly(map.data(), query, options, search_work);
+  state.way_since_search = 0.0;
+  state.scans_since_search = 0;
+  if (found.empty()) return;
+  const bool better = state.set.empty() ||
+                      found.front().fit.log_likelihood > state.set.all.front().at.fit.log_likelihood + kClearlyBetter;
+  if (state.set.empty() || (poor && better)) {
+    state.set.restart(found, T_odom_base, kKeepGap, most());
+    state.usual_explained = state.set.all.front().at.fit.explained;
+    state.poor_scans = 0;
+  } else {
+    state.set.merge(found, T_odom_base, kKeepGap, most());
+  }
+}
+
+void Localizer::Impl::judge(bool poor, Stamp stamp, LocalizationUpdate& update) {
+  if (state.set.empty()) {
+    update.status = state.located ? TrackingStatus::kLost : TrackingStatus::kInitialising;
+    return;
+  }
+  const Judged judged = judge_pose(state.set.all.front().at, state.set.margin(), options);
+  update.status = judged.status;
+  update.confidence = judged.confidence;
+  if (poor && state.poor_scans > 0) {
+    const bool long_poor =
+        state.poor_scans > kLostAfterScans || stamp_to_seconds(stamp - state.poor_since) > kLostAfterS;
+    update.status = long_poor ? TrackingStatus::kLost : TrackingStatus::kDegraded;
+    update.confidence = std::min(update.confidence, 0.5);
+  }
+  state.located |= update.status == TrackingStatus::kOk;
+  report_hypotheses(map.data(), state.set, options, update);
+}
+
+LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
+  check_measurement(measurement);
+  LocalizationUpdate update;
+  update.stamp = measurement.scan.stamp;
+  update.scan = state.scans++;
+  const OdometryUpdate odom = odometry.add(measurement);
+  update.twist = odom.twist;
+  const QueryScan query = prepare_query(measurement, odometry_options.deskew ? odom.twist : Twist2{},
+                                        options.view_range_m, true, query_work);
+  if (!query.usable()) {
+    judge(false, update.stamp, update);
+    if (update.status == TrackingStatus::kOk) update.status = TrackingStatus::kDegraded;
+    return update;
+  }
+  const Pose2 step = state.T_odom_last.inverse() * odom.T_odom_base,
+              view = state.T_odom_view.inverse() * odom.T_odom_base;
+  state.way_since_search += std::hypot(step.x, step.y);
+  ++state.scans_since_search;
+  const bool new_view = std::hypot(view.x, view.y) > kNewViewM || std::abs(view.theta) > kNewViewRad;
+  if (state.given) {
+    take_given(query, odom.T_odom_base);
+  } else if (!state.set.empty()) {
+    track(query, odom, new_view);
+  } else {
+    state.scans_since_search = state.scans_since_search == 1 && update.scan == 0 ? 0 : state.scans_since_search;
+  }
+  bool poor = fits_poorly(odom);
+  if (poor && state.poor_scans++ == 0) state.poor_since = update.stamp;
+  if (!poor) state.poor_scans = 0;
+  const TrackingStatus before = state.set.empty()
+                                    ? TrackingStatus::kLost
+                                    : judge_pose(state.set.all.front().at, state.set.margin(), options).status;
+  if (wants_search(poor, before)) {
+    search(query, odom.T_odom_base, poor);
+    update.searched = true;
+    poor = poor && state.poor_scans > 0;
+  }
+  if (!poor && !state.set.empty()) {
+    state.usual_explained = kMemory * state.usual_explained + (1.0 - kMemory) * state.set.all.front().at.fit.explained;
+    if (new_view && state.set.all.size() == 1)
+      state.set.margin_alone = std::min(kMostMargin, state.set.margin_alone + kViewMargin);
+  }
+  if (new_view) state.T_odom_view = odom.T_odom_base;
+  state.T_odom_last = odom.T_odom_base;
+  judge(poor, update.stamp, update);
+  return update;
+}
+
+Localizer::Localizer(LocalizationMap map, const LocalizeOptions& options, const OdometryOptions& odometry) {
+  validate_options("localize", options);
+  impl_ = std::make_unique<Impl>(Impl{std::move(map), options, odometry, Odometry(odometry), {}, {}, {}});
+}
+Localizer::~Localizer() = default;
+Localizer::Localizer(Localizer&&) noexcept = default;
+Localizer& Localizer::operator=(Localizer&&) noexcept = default;
+
+void Localizer::initialize(const Pose2& T_map_base, const Eigen::Matrix3d& covariance) {
+  if (!T_map_base.is_finite() || !covariance.allFinite())
+    throw std::invalid_argument("T_map_base: pose or covariance not finite");
+  impl_->state.given = PoseEstimate{T_map_base, covariance, 0.0};
+}
+
+void Localizer::initialize_globally() {
+  impl_->state.set = {};
+  impl_->state.given.reset();
+  impl_->state.scans_since_search = kSearchEveryScans;
+}
+
+LocalizationUpdate Localizer::add(const RangeMeasurement& measurement) {
+  return impl_->add(measurement);
+}
+
+const LocalizationMap& Localizer::map() const {
+  return impl_->map;
+}
+
+}  // namespace phasescan

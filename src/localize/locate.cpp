@@ -1,0 +1,101 @@
+#include "localize/locate.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "localize/pose_confidence.hpp"
+#include "odometry/information.hpp"
+
+namespace phasescan {
+namespace {
+
+constexpr std::size_t kMoreEffort = 4;  // times the candidates, where the first answer does not convince
+constexpr double kWellExplained = 0.7;  // share of the hits: another pose that does better is not to be expected
+constexpr double kDegradedConfidence = 0.5;
+constexpr double kLeastExplained = 0.35;  // less of a scan is no answer
+
+double margin_of(const std::vector<FoundPose>& found) {
+  if (found.size() < 2) return found.empty() ? 0.0 : kMostMargin;
+  return found[0].fit.log_likelihood - found[1].fit.log_likelihood;
+}
+
+}  // namespace
+
+std::vector<FoundPose> search_thoroughly(const LocalizationMap::Data& map, const QueryScan& scan,
+                                         const LocalizeOptions& options, GlobalSearchWorkspace& work) {
+  SearchEffort effort{static_cast<std::size_t>(options.candidates), static_cast<std::size_t>(options.finalists)};
+  std::vector<FoundPose> found = search_map(map, scan, effort, work);
+  if (found.empty()) return found;
+  const FoundPose& best = found.front();
+  const bool explained = best.fit.explained > kWellExplained && best.fit.contradicting < 0.1;
+  if (explained || pose_confidence(evidence_of(best, margin_of(found))) > options.min_confidence) return found;
+  effort.candidates *= kMoreEffort;
+  effort.finalists *= kMoreEffort;
+  return search_map(map, scan, effort, work);
+}
+
+Judged judge_pose(const FoundPose& pose, double margin, const LocalizeOptions& options) {
+  Judged judged;
+  judged.confidence = pose_confidence(evidence_of(pose, margin));
+  const bool ambiguous = margin < options.ambiguous_gap;
+  if (pose.fit.explained < kLeastExplained) {
+    judged.status = TrackingStatus::kLost;
+  } else if (ambiguous) {
+    judged.status = TrackingStatus::kAmbiguous;
+    judged.confidence = std::min(judged.confidence, options.min_confidence);
+  } else if (judged.confidence > options.min_confidence) {
+    judged.status = TrackingStatus::kOk;
+  } else {
+    judged.status = judged.confidence > kDegradedConfidence ? TrackingStatus::kDegraded : TrackingStatus::kLost;
+  }
+  return judged;
+}
+
+void report_hypotheses(const LocalizationMap::Data& map, const HypothesisSet& set, const LocalizeOptions& options,
+                       LocalizationUpdate& update) {
+  if (set.empty()) return;
+  for (std::size_t i = 0; i < set.all.size(); ++i) {
+    const Hypothesis& h = set.all[i];
+    PoseEstimate estimate;
+    estimate.T_map_base = map.T_map_grid * h.at.T_grid_base;
+    estimate.covariance = rotate_information(h.at.covariance, map.T_map_grid.theta);
+    const double share = std::exp(h.weight - set.all.front().weight);
+    estimate.confidence = i == 0 ? update.confidence : std::min(0.5, share * (1.0 - update.confidence));
+    update.hypotheses.push_back(estimate);
+  }
+  update.margin = set.margin();
+  update.fit = set.all.front().at.fit;
+  update.T_map_base = update.hypotheses.front().T_map_base;
+  update.covariance = update.hypotheses.front().covariance;
+  static_cast<void>(options);
+}
+
+void check_measurement(const RangeMeasurement& measurement) {
+  if (!measurement.T_base_laser.is_finite()) throw std::invalid_argument("T_base_laser: not finite");
+  if (measurement.T_odom_base && !measurement.T_odom_base->is_finite())
+    throw std::invalid_argument("T_odom_base: not finite");
+}
+
+LocalizationUpdate locate(const LocalizationMap& map, const RangeMeasurement& measurement,
+                          const LocalizeOptions& options) {
+  check_measurement(measurement);
+  LocalizationUpdate update;
+  update.stamp = measurement.scan.stamp;
+  QueryWorkspace query_work;
+  GlobalSearchWorkspace search_work;
+  const QueryScan query = prepare_query(measurement, {}, options.view_range_m, true, query_work);
+  if (!query.usable()) return update;
+  update.searched = true;
+  update.status = TrackingStatus::kLost;
+  const std::vector<FoundPose> found = search_thoroughly(map.data(), query, options, search_work);
+  if (found.empty()) return update;
+  HypothesisSet set;
+  set.restart(found, {}, options.ambiguous_gap, static_cast<std::size_t>(options.max_hypotheses));
+  const Judged judged = judge_pose(set.all.front().at, margin_of(found), options);
+  update.status = judged.status;
+  update.confidence = judged.confidence;
+  report_hypotheses(map.data(), set, options, update);
+  return update;
+}
+
+}  // namespace phasescan

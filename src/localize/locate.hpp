@@ -1,0 +1,28 @@
+/// Searches the map for one scan and says how sure the answer is.
+#pragma once
+
+#include "localize/global_search.hpp"
+#include "localize/hypotheses.hpp"
+#include "phasescan/localize/localizer.hpp"
+
+namespace phasescan {
+
+/// As search_map; where the answer does not convince, once more with more effort.
+std::vector<FoundPose> search_thoroughly(const LocalizationMap::Data& map, const QueryScan& scan,
+                                         const LocalizeOptions& options, GlobalSearchWorkspace& work);
+
+/// What is known of a pose among others. @param margin  to the next pose
+struct Judged {
+  TrackingStatus status = TrackingStatus::kLost;
+  double confidence = 0.0;
+};
+Judged judge_pose(const FoundPose& pose, double margin, const LocalizeOptions& options);
+
+/// Fills pose, covariance, confidence, fit and hypotheses of an update, in the frame of the map.
+void report_hypotheses(const LocalizationMap::Data& map, const HypothesisSet& set, const LocalizeOptions& options,
+                       LocalizationUpdate& update);
+
+/// @throws std::invalid_argument naming what is not finite
+void check_measurement(const RangeMeasurement& measurement);
+
+}  // namespace phasescan

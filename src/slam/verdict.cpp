@@ -1,0 +1,74 @@
+#include "slam/verdict.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace phasescan {
+namespace {
+
+constexpr double kGood = 0.95, kFailed = 0.2;               // probabilities
+constexpr double kLeastOnMap = 0.5;                         // share of the scans with a return
+constexpr double kLeastInParts = 0.25, kMostInParts = 0.9;  // of a run in parts: doubtful, whatever each part is worth
+constexpr double kSurest = 0.999;  // no run is surer than as many runs as it was fitted on can show
+
+/// Adds weight * log(1 + (number / scale)^2) to the log-odds that the map is right.
+struct Feature {
+  const char* number;  // of the evidence
+  const char* kind;    // of the reason that it is
+  double scale, weight;
+};
+
+// Fitted by tools/verdict_fit.py on simulated runs.
+constexpr double kConstant = 5.29;
+constexpr std::array kFeatures{
+    Feature{"far_worst_crossed", "contradiction", 0.15, -1.98},
+    Feature{"far_worst_in_free", "contradiction", 0.35, -1.30},
+    Feature{"far_worst_doubled", "doubled_walls", 0.15, -1.14},
+    Feature{"expected_ratio", "gaps", 0.5, -0.72},
+    Feature{"lost", "gaps", 0.05, -1.09},
+    Feature{"jump", "gaps", 3.0, -0.70},
+    Feature{"off_map", "pieces", 0.03, -1.05},
+    Feature{"breaks", "pieces", 1.0, -0.15},
+    Feature{"degraded", "bad_scans", 0.15, -0.47},
+    Feature{"kept", "bad_scans", 0.15, -0.26},
+    Feature{"left_out", "bad_scans", 0.1, -0.33},
+    Feature{"step_bend_m", "aliasing", 0.06, -1.29},
+    Feature{"worst_loop_chi2", "aliasing", 30.0, -0.41},
+    Feature{"alike", "aliasing", 0.2, -0.25},
+    Feature{"wheels_slipped", "wheels", 0.3, -0.30},
+};
+
+}  // namespace
+
+Judgement judge_run(const RunEvidence& evidence, bool in_parts) {
+  Judgement judgement;
+  std::map<std::string, double>& numbers = judgement.verdict.evidence;
+  RunEvidence::visit(evidence, [&numbers](const std::string& name, double value) { numbers[name] = value; });
+  double log_odds = kConstant;
+  for (const Feature& feature : kFeatures) {
+    const double ratio = numbers.at(feature.number) / feature.scale;
+    const double part = feature.weight * std::log1p(ratio * ratio);
+    log_odds += part;
+    auto& weights = judgement.weights;
+    auto known = std::find_if(weights.begin(), weights.end(), [&](const auto& w) { return w.kind == feature.kind; });
+    if (known == weights.end()) known = weights.insert(known, {feature.kind, 0.0});
+    known->against -= part;
+  }
+  std::stable_sort(judgement.weights.begin(), judgement.weights.end(),
+                   [](const ReasonWeight& a, const ReasonWeight& b) { return a.against > b.against; });
+  double& probability = judgement.verdict.probability;
+  probability = std::clamp(1.0 / (1.0 + std::exp(-log_odds)), 1.0 - kSurest, kSurest);
+  if (in_parts) {
+    probability = std::clamp(probability, kLeastInParts, kMostInParts);
+  } else if (evidence.on_map < kLeastOnMap) {
+    probability = std::min(probability, kFailed);
+  }
+  judgement.verdict.verdict = probability >= kGood     ? Verdict::kGood
+                              : probability <= kFailed ? Verdict::kFailed
+                                                       : Verdict::kDoubtful;
+  return judgement;
+}
+
+}  // namespace phasescan

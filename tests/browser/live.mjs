@@ -1,0 +1,187 @@
+// Watches a run in Chromium: the map grows, the robot's pose is dragged, map and state are saved, a log is moved through, and
+// the page finds the server again. Usage: node live.mjs PHASESCAN [FOLDER for screenshots]
+import { execFileSync, spawn } from "node:child_process";
+import { existsSync, mkdtempSync, readdirSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { check, open, page } from "./browser.mjs";
+
+const [phasescan, shots] = process.argv.slice(2);
+const browser = await open();
+const folder = mkdtempSync(join(tmpdir(), "phasescan-live-"));
+const running = new Set();
+
+/// Starts `live` and waits for the address that it prints.
+function live(...words) {
+  return new Promise((resolve, reject) => {
+    const child = spawn(phasescan, ["live", ...words, "--folder", folder], { stdio: ["ignore", "ignore", "pipe"] });
+    let text = "";
+    running.add(child);
+    child.stderr.on("data", (data) => {
+      text += data;
+      const found = text.match(/open (http:\S+)/);
+      if (found) resolve({ url: found[1], child, stop: () => new Promise((done) => { child.once("exit", done); child.kill("SIGINT"); }) });
+    });
+    child.once("exit", () => { running.delete(child); reject(new Error("live ended: " + text)); });
+  });
+}
+
+const shot = (at, name) => shots && at.screenshot({ path: join(shots, name + ".png") });
+const text = (at, id) => at.$eval("#" + id, (e) => e.textContent);
+const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
+const known = (at) => at.evaluate(() => {
+  let cells = 0;
+  for (const tile of phasescan.world.state.tiles.values()) for (const byte of tile.packed) if (byte >> 4) cells += (byte & 15) + 1;
+  return cells;
+});
+/// A page of the server may ask this server, and nobody else.
+const visit = (url, width, height, options = {}) => page(browser, url, width, height, { from: new URL(url).origin.replace("http", "ws"), ...options });
+const first_picture = (at) => at.waitForFunction(() => phasescan.view.frames > 0, { timeout: 20000 });
+
+async function demo() {
+  const run = await live("--demo", "--serve", "127.0.0.1:0");
+  const at = await visit(run.url, 1280, 800, { expects: /WebSocket connection to .* failed/ });
+  await first_picture(at);
+  await at.waitForFunction(() => phasescan.world.state.tiles.size > 4, { timeout: 30000 });
+  const early = await known(at);
+  check("the state is said", (await text(at, "state-name")) === "Tracking");
+  check("it is a demo", /demo/.test(await text(at, "state-source")));
+  await at.waitForFunction((n) => {
+    let cells = 0;
+    for (const tile of phasescan.world.state.tiles.values()) for (const byte of tile.packed) if (byte >> 4) cells += (byte & 15) + 1;
+    return cells > 1.2 * n;
+  }, { timeout: 90000 }, early);
+  await at.waitForFunction(() => phasescan.view.settled);
+  await shot(at, "live-desktop");
+  const pixels = await at.evaluate(() => {
+    const c = document.getElementById("map"), data = c.getContext("2d").getImageData(0, 0, c.width, c.height).data, seen = new Map();
+    for (let i = 0; i < data.length; i += 16) seen.set(data[i] + "," + data[i + 1] + "," + data[i + 2], 1 + (seen.get(data[i] + "," + data[i + 1] + "," + data[i + 2]) ?? 0));
+    return { free: seen.get("255,255,255") ?? 0, walls: [...seen].filter(([k]) => +k.split(",")[0] < 90 && +k.split(",")[2] < 90).reduce((n, [, v]) => n + v, 0) };
+  });
+  check("free space and walls are drawn", pixels.free > 2000 && pixels.walls > 100);
+
+  // Look around.
+  const scale = () => at.evaluate(() => phasescan.view.look.scale);
+  const before = await scale();
+  await at.mouse.move(500, 400);
+  await at.mouse.wheel({ deltaY: -300 });
+  check("the wheel zooms", (await scale()) > 1.2 * before);
+  const x = () => at.evaluate(() => phasescan.view.look.x);
+  const middle = await x();
+  await at.mouse.down();
+  await at.mouse.move(620, 420, { steps: 4 });
+  await at.mouse.up();
+  check("dragging moves the map", (await x()) < middle);
+  await at.keyboard.press("f");
+  check("F follows", (await at.evaluate(() => phasescan.view.look.mode)) === "follow");
+  await at.keyboard.press("0");
+  check("0 shows all", (await at.evaluate(() => phasescan.view.look.mode)) === "fit");
+  await at.waitForFunction(() => phasescan.view.settled);
+
+  // Files.
+  await at.type("#name", "my-flat.1");
+  await at.click("#save");
+  await at.waitForFunction(() => /my-flat\.1/.test(document.getElementById("toasts").textContent), { timeout: 20000 });
+  for (const end of [".pgm", ".yaml", ".png", ".state"]) check("my-flat.1" + end + " is there", existsSync(join(folder, "my-flat.1" + end)));
+  await at.$eval("#name", (e) => { e.value = "../escape"; });
+  await at.click("#save");
+  await at.waitForFunction(() => document.querySelector("#toasts .bad"), { timeout: 10000 });
+  check("no name leads out of the folder", readdirSync(folder).every((f) => f.startsWith("my-flat.1")));
+
+  // The pose.
+  const robot = await at.evaluate(() => {
+    const scan = phasescan.world.state.scan;
+    return phasescan.view.screen_of(scan.x, scan.y);
+  });
+  await at.$eval("#toasts", (e) => e.replaceChildren());
+  await at.click("#set-pose");
+  check("a hint is shown", await at.$eval("#hint", (e) => !e.hidden));
+  await at.mouse.move(...robot);
+  await at.mouse.down();
+  await at.mouse.move(robot[0] + 60, robot[1] - 30, { steps: 4 });
+  await shot(at, "live-pose");
+  await at.mouse.up();
+  await at.waitForFunction(() => document.querySelector("#toasts div"), { timeout: 10000 });
+  check("the pose is taken", (await at.$("#toasts .bad")) === null);
+  check("the hint is gone", await at.$eval("#hint", (e) => e.hidden));
+  await shot(at, "live-pose-set");
+
+  // Dark, and a phone.
+  await at.keyboard.press("d");
+  await at.waitForFunction(() => phasescan.view.settled);
+  await shot(at, "live-dark");
+  const status = await (await fetch(new URL("/api/status", run.url))).json();
+  check("/api/status counts scans", status.scans > 20 && status.rate_hz > 2);
+  const png = Buffer.from(await (await fetch(new URL("/api/map.png", run.url))).arrayBuffer());
+  check("/api/map.png is one", png.subarray(1, 4).toString() === "PNG" && png.length > 500);
+  await phone(run);
+  await browser_comes_back(at, run);
+  await at.close();
+}
+
+async function phone(run) {
+  const at = await visit(run.url, 390, 844, { touch: true });
+  await first_picture(at);
+  await at.waitForFunction(() => phasescan.world.state.tiles.size > 4 && phasescan.view.settled, { timeout: 30000 });
+  check("a phone need not scroll sideways", (await at.evaluate(() => document.documentElement.scrollWidth)) <= 390);
+  const small = await at.$$eval("button", (all) => all.filter((b) => b.offsetParent && b.id !== "close" && b.getBoundingClientRect().height < 42).length);
+  check("buttons are large enough for a finger", small === 0);
+  await shot(at, "live-phone");
+  const before = await at.evaluate(() => phasescan.view.look.scale);
+  const client = await at.createCDPSession();
+  const fingers = (type, gap) => client.send("Input.dispatchTouchEvent", { type, touchPoints: gap === null ? [] : [-1, 1].map((side, id) => ({ x: 180 + side * gap, y: 450, id })) });
+  await fingers("touchStart", 30);
+  for (const gap of [45, 60, 90]) await fingers("touchMove", gap);
+  await fingers("touchEnd", null);
+  check("two fingers zoom", (await at.evaluate(() => phasescan.view.look.scale)) > 1.5 * before);
+  await at.tap("#more");
+  await sleep(300);
+  await shot(at, "live-phone-panel");
+  await at.close();
+}
+
+/// The server ends and comes back at the same port.
+async function browser_comes_back(at, run) {
+  const port = new URL(run.url).port;
+  await run.stop();
+  await at.waitForFunction(() => document.getElementById("state").dataset.state === "offline", { timeout: 10000 });
+  await at.waitForFunction(() => !document.getElementById("alarm").hidden, { timeout: 10000 });
+  await shot(at, "live-offline");
+  const again = await live("--demo", "--seed", "5", "--serve", "127.0.0.1:" + port);
+  await at.waitForFunction(() => document.getElementById("state").dataset.state === "ok", { timeout: 30000 });
+  await again.stop();
+}
+
+async function replay() {
+  const log = join(folder, "log.jsonl");
+  execFileSync(phasescan, ["simulate", "--world", "flat:7", "--sensor", "rplidar-a1", "--duration", "40", "--out", log], { stdio: ["ignore", "ignore", "inherit"] });
+  const run = await live("--replay", log, "--serve", "127.0.0.1:0");
+  const at = await visit(run.url, 1100, 760);
+  await at.waitForFunction(() => !document.getElementById("replay").hidden, { timeout: 20000 });
+  const seek = (share) => at.$eval("#time", (e, v) => { e.value = v; e.dispatchEvent(new Event("input")); e.dispatchEvent(new Event("change")); }, 1000 * share);
+  const time = () => at.evaluate(() => phasescan.status.replay.time_s);
+  await seek(0.9);
+  await at.waitForFunction(() => phasescan.status.replay.time_s > 34, { timeout: 30000 });
+  check("no scan was left out", (await at.evaluate(() => phasescan.status.dropped)) === 0);
+  await at.click("#play");
+  await at.waitForFunction(() => phasescan.status.replay.speed === 0, { timeout: 10000 });
+  const held = await time();
+  await sleep(1500);
+  check("a held log stands still", Math.abs((await time()) - held) < 0.3);
+  await shot(at, "live-replay");
+  await at.click("#play");
+  await seek(0.1);
+  await at.waitForFunction(() => phasescan.status.replay.time_s < 20, { timeout: 30000 });
+  check("going back begins the map again", (await at.evaluate(() => phasescan.status.scans)) < 120);
+  await at.close();
+  await run.stop();
+}
+
+try {
+  await demo();
+  await replay();
+} finally {
+  for (const child of running) child.kill("SIGKILL");
+  await browser.close();
+  rmSync(folder, { recursive: true });
+}

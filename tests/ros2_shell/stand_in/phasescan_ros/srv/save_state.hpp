@@ -1,0 +1,15 @@
+// A stand-in for what is made of the .srv of the package.
+#pragma once
+#include <cstdint>
+#include <string>
+namespace phasescan_ros::srv {
+struct SaveState {
+  struct Request {
+    std::string filename;
+  };
+  struct Response {
+    std::uint8_t result = 0;
+    std::string reason;
+  };
+};
+}  // namespace phasescan_ros::srv

@@ -1,0 +1,150 @@
+// What a run says of itself: numbers, a probability, reasons.
+#include "slam/verdict.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "phasescan/slam/slam.hpp"
+#include "support/toy_logs.hpp"
+
+namespace phasescan {
+namespace {
+
+/// Of a run in which nothing is odd.
+RunEvidence faultless() {
+  RunEvidence e;
+  e.scans = 500, e.keyframes = 100, e.way_m = 40.0, e.duration_s = 100.0;
+  e.on_map = 1.0, e.pieces = 1.0, e.loops_per_keyframe = 1.0, e.overlap = 0.95;
+  e.expected_m = 0.02, e.expected_ratio = 0.05, e.jump = 1.2, e.turn_jump = 1.2;
+  return e;
+}
+
+std::vector<RunFinding> findings_of(const SlamResult& result, const std::string& kind) {
+  std::vector<RunFinding> found;
+  std::copy_if(result.findings.begin(), result.findings.end(), std::back_inserter(found),
+               [&](const RunFinding& f) { return f.kind == kind; });
+  return found;
+}
+
+SlamResult run(const testing::ToyLog& log, const SlamOptions& options = {}) {
+  Slam slam(options);
+  for (const RangeMeasurement& m : log.measurements) slam.add(m);
+  return slam.finish();
+}
+
+TEST(Verdict, NothingOddIsGood) {
+  const Judgement judged = judge_run(faultless(), false);
+  EXPECT_EQ(judged.verdict.verdict, Verdict::kGood);
+  EXPECT_GE(judged.verdict.probability, 0.95);
+  EXPECT_LT(judged.verdict.probability, 1.0);
+  EXPECT_EQ(judged.verdict.evidence.at("way_m"), 40.0);
+}
+
+TEST(Verdict, WhatSpeaksAgainstAMapNeverMakesItBetter) {
+  const double best = judge_run(faultless(), false).verdict.probability;
+  const auto worse = [&](auto&& change) {
+    RunEvidence e = faultless();
+    change(e);
+    return judge_run(e, false).verdict.probability;
+  };
+  EXPECT_LT(worse([](RunEvidence& e) { e.map.far.worst.crossed = 0.8, e.map.far.worst.in_free = 0.8; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.expected_ratio = 10.0; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.off_map = 0.4, e.breaks = 4.0; }), 0.95);
+  EXPECT_LE(worse([](RunEvidence& e) { e.wheels_slipped = 0.5; }), best);
+}
+
+TEST(Verdict, ARunOfWhichHalfIsOnNoMapHasFailed) {
+  RunEvidence e = faultless();
+  e.on_map = 0.49;
+  EXPECT_EQ(judge_run(e, false).verdict.verdict, Verdict::kFailed);
+  EXPECT_LE(judge_run(e, false).verdict.probability, 0.2);
+}
+
+TEST(Verdict, ARunInPartsIsDoubtfulWhateverEachIsWorth) {
+  RunEvidence e = faultless();
+  EXPECT_EQ(judge_run(e, true).verdict.verdict, Verdict::kDoubtful);
+  e.on_map = 0.3;
+  EXPECT_EQ(judge_run(e, true).verdict.verdict, Verdict::kDoubtful);
+}
+
+TEST(Verdict, AWholeRunKnowsItsNumbers) {
+  const testing::ToyLog log = testing::turning_lidar_log(150);
+  const SlamResult result = run(log);
+  EXPECT_EQ(result.verdict.verdict, Verdict::kGood) << result.verdict.probability;
+  EXPECT_TRUE(result.findings.empty()) << result.findings.front().kind;
+  const auto& e = result.verdict.evidence;
+  EXPECT_EQ(e.at("scans"), 150.0);
+  EXPECT_EQ(e.at("on_map"), 1.0);
+  EXPECT_EQ(e.at("lost"), 0.0);
+  EXPECT_EQ(e.at("pieces"), 1.0);
+  EXPECT_EQ(e.at("gaps"), 0.0);
+  EXPECT_NEAR(e.at("duration_s"), 149 * 0.18, 1e-6);
+  double way = 0.0;
+  for (std::size_t i = 1; i < 150; ++i) way += translation_distance(log.truth[i - 1], log.truth[i]);
+  EXPECT_NEAR(e.at("way_m"), way, 0.05 * way);
+}
+
+TEST(Verdict, ABoundedRunIsJudgedAsWell) {
+  SlamOptions options;
+  options.slam.bounded_memory = true;
+  const SlamResult result = run(testing::turning_lidar_log(150), options);
+  EXPECT_EQ(result.verdict.verdict, Verdict::kGood) << result.verdict.probability;
+}
+
+TEST(Verdict, ARunThatGoesOnFromAStateSaysTheSame) {
+  const testing::ToyLog log = testing::turning_lidar_log(120);
+  Slam first;
+  for (std::size_t i = 0; i < 70; ++i) first.add(log.measurements[i]);
+  Slam second(first.checkpoint(), SlamOptions{});
+  for (std::size_t i = 70; i < 120; ++i) second.add(log.measurements[i]);
+  const SlamResult whole = run(log), resumed = second.finish();
+  EXPECT_EQ(whole.verdict.evidence, resumed.verdict.evidence);
+  EXPECT_EQ(whole.verdict.probability, resumed.verdict.probability);
+}
+
+TEST(Verdict, AGapIsToldWithItsPlace) {
+  testing::ToyLog log = testing::turning_lidar_log(150);
+  const Stamp last = log.measurements[79].scan.stamp;
+  log.measurements.erase(log.measurements.begin() + 80, log.measurements.begin() + 110);
+  const SlamResult result = run(log);
+  EXPECT_NEAR(result.verdict.evidence.at("longest_gap_s"), 31 * 0.18, 1e-6);
+  EXPECT_GT(result.verdict.evidence.at("gaps"), 0.15);
+  const auto gaps = findings_of(result, "gaps");
+  ASSERT_EQ(gaps.size(), 1u);
+  EXPECT_EQ(gaps[0].first_stamp, last);
+  EXPECT_EQ(gaps[0].scan, 79);
+}
+
+TEST(Verdict, DrivesThatNothingTiesAreInPieces) {
+  const testing::ToyLog one = testing::turning_lidar_log(60);
+  Slam slam;
+  for (const RangeMeasurement& m : one.measurements) slam.add(m);
+  slam.begin_session();
+  Random random(5);
+  for (std::size_t i = 0; i < 60; ++i) {
+    const Pose2 pose{4.0 + 0.04 * static_cast<double>(i), 0.0, 0.0};
+    slam.add({testing::toy_scan(testing::corridor_with_niches(30.0, 0.7), pose, {}, random,
+                                stamp_from_seconds(5000.0 + 0.18 * static_cast<double>(i)))});
+  }
+  const SlamResult result = slam.finish();
+  ASSERT_EQ(result.parts.size(), 2u);
+  EXPECT_EQ(result.verdict.verdict, Verdict::kDoubtful);
+  ASSERT_FALSE(result.findings.empty());
+  EXPECT_EQ(result.findings.front().kind, "pieces");
+  EXPECT_EQ(result.findings.front().count, 2u);
+  for (const SlamResult& part : result.parts) {
+    EXPECT_EQ(part.verdict.evidence.at("scans"), 60.0);
+    EXPECT_GT(part.verdict.evidence.at("keyframes"), 2.0);
+  }
+}
+
+TEST(Verdict, WheelsThatSlipAreAReason) {
+  const SlamResult result = run(testing::wheels_log(150));
+  const auto wheels = findings_of(result, "wheels");
+  ASSERT_EQ(wheels.size(), 1u);
+  EXPECT_EQ(wheels[0].count, result.wheels.slipped + result.wheels.reversed + result.wheels.jumped);
+}
+
+}  // namespace
+}  // namespace phasescan

@@ -1,0 +1,118 @@
+// The file around a state: sections with checksums, whole or refused.
+#include "state/container.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <system_error>
+
+#include "state/fields.hpp"
+#include "support/sealed_state.hpp"
+#include "support/temp.hpp"
+
+namespace phasescan {
+namespace {
+
+using ::testing::HasSubstr;
+
+StateSections some_sections() {
+  StateSections out;
+  std::string zeros(100'000, '\0');  // nearly: what packs beyond all bounds is not packed
+  for (std::size_t i = 0; i < zeros.size(); i += 40) zeros[i] = static_cast<char>(i * i >> 9);
+  out.sections = {{"empty", ""}, {"zeros", zeros}, {"text", "what is short is not packed"}};
+  std::string steps;
+  for (int i = 0; i < 5000; ++i) steps += static_cast<char>(i * i >> 4);
+  out.sections.push_back({"sixteen letters.", steps});
+  return out;
+}
+
+std::string refusal_of(const std::string& bytes) {
+  try {
+    unpack_state(bytes);
+    return {};
+  } catch (const StateFormatError& error) {
+    return error.what();
+  }
+}
+
+TEST(StateContainer, SectionsComeBack) {
+  const StateSections written = some_sections();
+  const std::string bytes = pack_state(written);
+  EXPECT_TRUE(looks_like_state(bytes));
+  const StateSections read = unpack_state(bytes);
+  EXPECT_EQ(read.version, kStateFileVersion);
+  ASSERT_EQ(read.sections.size(), written.sections.size());
+  for (std::size_t i = 0; i < read.sections.size(); ++i) {
+    EXPECT_EQ(read.sections[i].name, written.sections[i].name);
+    EXPECT_EQ(read.sections[i].content, written.sections[i].content);
+  }
+  EXPECT_EQ(read.find("none"), nullptr);
+  EXPECT_THROW(read.at("none"), StateFormatError);
+  EXPECT_EQ(pack_state(read), bytes);
+  const std::string plain = testing::unpacked_file(bytes);
+  EXPECT_EQ(unpack_state(plain).at("zeros"), written.at("zeros"));
+  EXPECT_GT(plain.size(), 100'000u);
+}
+
+TEST(StateContainer, CutOffAnywhereOrFollowedByMoreItIsRefused) {
+  const std::string bytes = pack_state(some_sections());
+  for (std::size_t n = 0; n < bytes.size(); n += n < 300 ? 1 : 61) {
+    const std::string why = refusal_of(bytes.substr(0, n));
+    EXPECT_FALSE(why.empty()) << n;
+    if (n == 0) continue;
+    EXPECT_THAT(why, HasSubstr("is cut off: it has " + std::to_string(n) + " bytes; expected ")) << n;
+  }
+  EXPECT_THAT(refusal_of(bytes + "x"), HasSubstr("1 bytes follow its end"));
+  EXPECT_THAT(refusal_of(""), HasSubstr("is no saved state"));
+  EXPECT_THAT(refusal_of(std::string(100, 'x')), HasSubstr("is no saved state"));
+}
+
+TEST(StateContainer, EveryByteIsUnderAChecksum) {
+  const std::string bytes = pack_state(some_sections());
+  for (std::size_t at = 0; at < bytes.size(); at += at < 300 ? 1 : 61) {
+    std::string flipped = bytes;
+    flipped[at] = static_cast<char>(flipped[at] ^ 0x04);
+    EXPECT_NE(refusal_of(flipped), "") << at;
+  }
+}
+
+TEST(StateContainer, WhatASectionClaimsToUnpackToIsBounded) {
+  const std::string bytes = pack_state(some_sections());
+  const std::size_t zeros = testing::kStateHead + testing::kStateEntry;  // its entry
+  for (const std::uint64_t claimed : {std::uint64_t{1} << 50, std::uint64_t{99'999}, std::uint64_t{100'001}}) {
+    std::string changed = bytes;
+    testing::put_state_number(changed, zeros + 32, 8, claimed);
+    EXPECT_THAT(refusal_of(testing::sealed(changed)), HasSubstr("section 'zeros'")) << claimed;
+  }
+  std::string changed = bytes;
+  testing::put_state_number(changed, zeros + 16, 4, 2);
+  EXPECT_THAT(refusal_of(testing::sealed(changed)), HasSubstr("is packed in no way that is known"));
+  changed = bytes;
+  testing::put_state_number(changed, 12, 4, 1000);
+  EXPECT_THAT(refusal_of(changed), HasSubstr("its head does not match its checksum"));
+}
+
+TEST(StateContainer, VersionsFromTheFirstToThisOneAreRead) {
+  StateSections sections = some_sections();
+  for (std::uint32_t version = 0; version <= kStateFileVersion + 1; ++version) {
+    sections.version = version;
+    const std::string why = refusal_of(pack_state(sections));
+    EXPECT_EQ(why.empty(), version >= 1 && version <= kStateFileVersion) << version << " " << why;
+  }
+}
+
+TEST(StateContainer, AFileIsReplacedWholeOrNotAtAll) {
+  const test::TempFolder folder;
+  const std::string path = folder / "a.state";
+  replace_file(path, "first");
+  replace_file(path, "second");
+  EXPECT_EQ(read_bytes(path), "second");
+  EXPECT_THROW(replace_file(folder / "none/a.state", "x"), std::system_error);
+  EXPECT_THROW(replace_file(folder.path(), "x"), std::system_error);
+  EXPECT_THROW(read_bytes(folder / "none"), std::system_error);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+}  // namespace
+}  // namespace phasescan
