@@ -130,7 +130,7 @@ std::optional<ViewerCommand> parse_command(std::string_view text, std::string& w
       why = "set_pose: expected x, y, theta";
       return std::nullopt;
     }
-    command.pose = Pose2(*x, *y, wrap_angle(*theta));
+    command.pose = Pose2{*x, *y, wrap_angle(*theta)};
   } else if (command.what == "speed" || command.what == "seek") {
     const auto value = number(json, "value");
     const double most = command.what == "seek" ? 1.0 : 100.0;

@@ -21,7 +21,7 @@ std::string trajectory_of(const std::string& log, const std::vector<std::string>
   std::vector<std::string> words{"slam", log, "--out", out / "out", "--no-times"};
   words.insert(words.end(), more.begin(), more.end());
   const CommandResult result = run_command(words);
-  EXPECT_EQ(result.code, 0) << log << ": " << result.err;
+  EXPECT_TRUE(result.code == 0 || result.code == 1) << log << ": " << result.err;  // 1: its verdict is "failed"
   return slurp(out / "out/trajectory.tum");
 }
 
