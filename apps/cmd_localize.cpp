@@ -190,12 +190,7 @@ void add_localize_command(CLI::App& app, CommandBody& body) {
   command->add_option("--initial", flags->initial, "where the first scan was taken, about")
       ->type_name("X,Y,THETA_DEG")
       ->check(not_empty());
-  command->add_option("--odometry", flags->odometry, "auto: wheel odometry where the log has any; none: scans alone")
-      ->check(one_of({"auto", "none"}))
-      ->capture_default_str();
-  command->add_option("--beam-step", flags->beam_step, "keep every K-th beam")
-      ->check(CLI::Range(1, 10000))
-      ->type_name("K");
+  add_reading_flags(*command, flags->odometry, flags->beam_step);
   command->footer(
       "Example:\n  phasescan slam drive.jsonl --out map\n"
       "  phasescan localize --map map/map.yaml next-day.jsonl --out where");

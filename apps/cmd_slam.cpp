@@ -200,12 +200,7 @@ void add_slam_command(CLI::App& app, CommandBody& body) {
   auto flags = std::make_shared<SlamFlags>();
   command->add_option("LOG", flags->logs, "logs of any readable format, in order of time")->required();
   command->add_option("--out", flags->out, "folder for trajectory, map, graph, report")->required()->type_name("DIR");
-  command->add_option("--odometry", flags->odometry, "auto: wheel odometry where the log has any; none: scans alone")
-      ->check(one_of({"auto", "none"}))
-      ->capture_default_str();
-  command->add_option("--beam-step", flags->beam_step, "keep every K-th beam")
-      ->check(CLI::Range(1, 10000))
-      ->type_name("K");
+  add_reading_flags(*command, flags->odometry, flags->beam_step);
   command->add_option("--mcap", flags->mcap, "write scans, frames, path and map for Foxglove or Lichtblick")
       ->check(not_empty());
   command->add_option("--save", flags->save, "keep the run as it is before its last pass, to go on from")

@@ -98,6 +98,13 @@ void add_log_flags(CLI::App& command, LogOptions& options) {
   seconds("--from", options.from, "scans from this time after the first one on");
 }
 
+void add_reading_flags(CLI::App& command, std::string& odometry, int& beam_step) {
+  command.add_option("--odometry", odometry, "auto: wheel odometry where the log has any; none: scans alone")
+      ->check(one_of({"auto", "none"}))
+      ->capture_default_str();
+  command.add_option("--beam-step", beam_step, "keep every K-th beam")->check(CLI::Range(1, 10000))->type_name("K");
+}
+
 void add_to_flag(CLI::App& command, LogOptions& options, const std::vector<std::string>& names, std::string* name) {
   const auto take = [&options, names, name](const std::string& text) {
     const auto seconds = parse_number<double>(text);

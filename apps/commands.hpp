@@ -49,6 +49,9 @@ void add_no_times_flag(CLI::App& command, CommonFlags& flags);
 /// What of a log is read (topic, frame, part of its time, ranges, directions), and what a text does not say itself.
 void add_log_flags(CLI::App& command, LogOptions& options);
 
+/// --odometry auto|none and --beam-step K: what `slam` and `localize` take of what is read.
+void add_reading_flags(CLI::App& command, std::string& odometry, int& beam_step);
+
 /// --to S, which add_log_flags leaves out. Of convert it may be one of the `names` as well, which becomes `name`: the
 /// flag had that meaning once.
 void add_to_flag(CLI::App& command, LogOptions& options, const std::vector<std::string>& names = {},

@@ -8,30 +8,16 @@
 
 #include "foxglove/client.hpp"
 #include "io/ros_encode.hpp"
+#include "support/foxglove_frames.hpp"
 
 namespace phasescan::foxglove {
 namespace {
 
 using nlohmann::json;
+using testing::advertise_pose;
+using testing::bytes_of;
 using ::testing::HasSubstr;
-
-std::span<const std::uint8_t> bytes_of(std::string_view text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
-
-std::string publish(std::uint32_t channel, std::span<const std::uint8_t> payload) {
-  std::string frame(5, '\x01');
-  std::memcpy(frame.data() + 1, &channel, 4);
-  frame.append(reinterpret_cast<const char*>(payload.data()), payload.size());
-  return frame;
-}
-
-std::string advertise_pose(const std::string& encoding,
-                           const std::string& type = "geometry_msgs/msg/PoseWithCovarianceStamped") {
-  return json{{"op", "advertise"},
-              {"channels", {{{"id", 7}, {"topic", "/initialpose"}, {"encoding", encoding}, {"schemaName", type}}}}}
-      .dump();
-}
+using testing::publish;
 
 json subscribe(std::uint32_t id, std::uint32_t channel) {
   return {{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel}}}}};
