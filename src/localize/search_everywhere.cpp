@@ -113,12 +113,14 @@ double best_of(const std::vector<FoundPose>& found) {
 
 std::vector<FoundPose> search_everywhere(const LocalizationMap::Data& map, const QueryScan& scan, double gap) {
   GlobalSearchWorkspace work;
-  std::vector<FoundPose> found = search_map(map, scan, {}, work);
+  // What the fast search finds says how likely a pose must be; the poses themselves are found again.
+  const double known = best_of(search_map(map, scan, {}, work));
+  std::vector<FoundPose> found;
   const MapGrid& grid = map.grid;
   const Hits hits = hits_of(scan, grid);
   std::vector<Box> boxes = first_boxes(grid);
   float half_m = kFirstHalfM, half_rad = static_cast<float>(kPi / kFirstTurns);
-  const auto needed = static_cast<float>(best_of(found) - gap);
+  const auto needed = static_cast<float>(known - gap);
   while (true) {
     std::vector<Box> kept;
     for (Box box : boxes) {
@@ -142,7 +144,7 @@ std::vector<FoundPose> search_everywhere(const LocalizationMap::Data& map, const
   for (const Box& box : boxes) {
     const Pose2 T_grid_laser{static_cast<double>(box.x), static_cast<double>(box.y),
                              wrap_angle(static_cast<double>(box.theta))};
-    if (box.bound < best_of(found) - gap) break;
+    if (box.bound < std::max(known, best_of(found)) - gap) break;
     if (visited(begun, T_grid_laser)) continue;
     begun.push_back(T_grid_laser);
     add_pose(match_near(map, scan, T_grid_laser * T_laser_base), found);
