@@ -11,7 +11,6 @@
 namespace phasescan::ros2 {
 namespace {
 
-constexpr double kDiagnosticsPeriod_s = 1.0, kNoScans_s = 2.0;
 // As amcl has it where nothing else is said: half a metre and 15 degrees.
 const Eigen::Matrix3d kUnsaid = Eigen::Vector3d(0.25, 0.25, deg_to_rad(15.0) * deg_to_rad(15.0)).asDiagonal();
 

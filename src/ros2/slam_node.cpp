@@ -9,12 +9,6 @@
 #include "ros2/due.hpp"
 
 namespace phasescan::ros2 {
-namespace {
-
-constexpr double kDiagnosticsPeriod_s = 1.0, kNoScans_s = 2.0;
-
-}  // namespace
-
 SlamNode::SlamNode(Setup setup, NodeOutputs& outputs, Executor* executor, Executor* drawing)
     : setup_(std::move(setup)),
       outputs_(outputs),

@@ -9,7 +9,7 @@
 #include "support/command.hpp"
 #include "support/ros_fixture.hpp"
 
-namespace phasescan {
+namespace phasescan::bad_log_test {
 namespace {
 
 using test::CommandResult;
@@ -206,4 +206,4 @@ TEST(BadLogs, AScanLogWithoutItsBeginningIsRead) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::bad_log_test

@@ -9,7 +9,7 @@
 #include "support/xml_check.hpp"
 #include "support/paths.hpp"
 
-namespace phasescan::test {
+namespace phasescan::test::bench_command_test {
 namespace {
 
 std::string read_all(const std::string& folder) {
@@ -178,4 +178,4 @@ TEST(BenchCommand, BadInputIsOneLineAndLeavesNoResults) {
 }
 
 }  // namespace
-}  // namespace phasescan::test
+}  // namespace phasescan::test::bench_command_test

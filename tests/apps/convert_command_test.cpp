@@ -10,7 +10,7 @@
 #include "support/command.hpp"
 #include "support/ros_fixture.hpp"
 
-namespace phasescan {
+namespace phasescan::convert_command_test {
 namespace {
 
 using test::run_command;
@@ -163,4 +163,4 @@ TEST(InfoCommand, NamesWhatIsWrongAndWhatToDo) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::convert_command_test

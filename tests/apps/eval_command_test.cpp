@@ -8,7 +8,7 @@
 #include "support/temp.hpp"
 #include "support/toy_log.hpp"
 
-namespace phasescan {
+namespace phasescan::eval_command_test {
 namespace {
 
 using nlohmann::json;
@@ -114,4 +114,4 @@ TEST(ScanLog, AScanWhoseOdometryCannotBeReadIsUsedWithoutIt) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::eval_command_test

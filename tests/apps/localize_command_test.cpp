@@ -12,7 +12,7 @@
 #include "support/toy_log.hpp"
 #include "support/toy_map.hpp"
 
-namespace phasescan {
+namespace phasescan::localize_command_test {
 namespace {
 
 using nlohmann::json;
@@ -177,4 +177,4 @@ TEST(LocalizeCommand, BadMapsAreRefusedInOneLine) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::localize_command_test

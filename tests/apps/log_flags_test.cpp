@@ -7,7 +7,7 @@
 #include "support/command.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::log_flags_test {
 namespace {
 
 using test::CommandResult;
@@ -92,4 +92,4 @@ TEST(LogFlags, MistakesAreOneLine) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::log_flags_test

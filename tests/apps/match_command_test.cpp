@@ -15,7 +15,7 @@
 #include "support/command.hpp"
 #include "support/data.hpp"
 
-namespace phasescan {
+namespace phasescan::match_command_test {
 namespace {
 
 using nlohmann::json;
@@ -340,4 +340,4 @@ TEST(MatchCommand, EveryRecordedPairGetsALine) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::match_command_test

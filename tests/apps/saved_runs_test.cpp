@@ -12,7 +12,7 @@
 #include "support/command.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::saved_runs_test {
 namespace {
 
 using nlohmann::json;
@@ -357,4 +357,4 @@ TEST_F(SavedRuns, OdometryThatComesNowAndThenIsNotLookedForInTheNextLog) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::saved_runs_test

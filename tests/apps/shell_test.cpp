@@ -9,7 +9,7 @@
 #include "support/command.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::shell_test {
 namespace {
 
 using test::run_command;
@@ -112,4 +112,4 @@ TEST(Help, EveryCommandHasAnExample) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::shell_test

@@ -13,7 +13,7 @@
 #include "support/command.hpp"
 #include "support/toy_log.hpp"
 
-namespace phasescan {
+namespace phasescan::slam_command_test {
 namespace {
 
 using nlohmann::json;
@@ -328,4 +328,4 @@ TEST(EvalCommand, ClosureSeesAShiftBetweenTwoVisits) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::slam_command_test

@@ -10,7 +10,7 @@
 #include "io/tum.hpp"
 #include "support/command.hpp"
 
-namespace phasescan {
+namespace phasescan::slam_glass_test {
 namespace {
 
 using nlohmann::json;
@@ -117,4 +117,4 @@ TEST(SlamGlass, NothingIsClaimedInAWorldWithout) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::slam_glass_test

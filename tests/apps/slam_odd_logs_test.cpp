@@ -9,7 +9,7 @@
 #include "support/command.hpp"
 #include "support/toy_log.hpp"
 
-namespace phasescan {
+namespace phasescan::slam_odd_logs_test {
 namespace {
 
 using nlohmann::json;
@@ -161,4 +161,4 @@ TEST(SlamOddLogs, CtrlCWritesWhatIsDone) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::slam_odd_logs_test

@@ -17,7 +17,7 @@
 #include "support/command.hpp"
 #include "support/toy_log.hpp"
 
-namespace phasescan {
+namespace phasescan::stop_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -151,4 +151,4 @@ TEST(Stop, ConvertAndInfoGiveWhatWasRead) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::stop_test

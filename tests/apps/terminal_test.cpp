@@ -9,7 +9,7 @@
 #include "support/terminal.hpp"
 #include "support/toy_log.hpp"
 
-namespace phasescan {
+namespace phasescan::terminal_test {
 namespace {
 
 using nlohmann::json;
@@ -121,4 +121,4 @@ TEST(Words, TheNearestOneIsNamed) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::terminal_test

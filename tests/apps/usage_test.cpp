@@ -15,7 +15,7 @@
 #include "support/command.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::usage_test {
 namespace {
 
 using test::CommandResult;
@@ -188,4 +188,4 @@ TEST(Usage, PairsOfAPipeAreAnsweredAsTheyCome) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::usage_test

@@ -11,7 +11,7 @@
 #include "sim/pairs_spec.hpp"
 #include "support/paths.hpp"
 
-namespace phasescan {
+namespace phasescan::calibrate_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -78,4 +78,4 @@ TEST_F(CalibrateCommand, BadInputIsOneLine) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::calibrate_command_test

@@ -10,7 +10,7 @@
 #include "sim/pairs_spec.hpp"
 #include "support/data.hpp"
 
-namespace phasescan {
+namespace phasescan::calibrate_test {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -284,4 +284,4 @@ TEST(RecordedStandstill, AnotherRecordingOfTheA1Agrees) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::calibrate_test

@@ -6,7 +6,7 @@
 #include "calibrate/stops_log.hpp"
 #include "sim/pairs_spec.hpp"
 
-namespace phasescan {
+namespace phasescan::recovery_test {
 namespace {
 
 using test::calibrate;
@@ -231,4 +231,4 @@ TEST(Recovery, WhatIsMeasuredReadsBackAsItWas) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::recovery_test

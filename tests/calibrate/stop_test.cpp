@@ -9,7 +9,7 @@
 #include "calibrate/stops_log.hpp"
 #include "sim/pairs_spec.hpp"
 
-namespace phasescan {
+namespace phasescan::stop_test {
 namespace {
 
 /// What a sensor sees on a way, each scan from one place.
@@ -161,4 +161,4 @@ TEST(StopBeams, ATurnIsReadFromSlopes) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::stop_test

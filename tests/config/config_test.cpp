@@ -8,7 +8,7 @@
 #include "methods/any_matcher.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::config_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -127,4 +127,4 @@ TEST(Config, SlamReadsTheSectionsOfTheMatcher) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::config_test

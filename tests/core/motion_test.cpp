@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace phasescan {
+namespace phasescan::motion_test {
 namespace {
 
 TEST(Motion, HalfAMotionTwiceIsTheMotion) {
@@ -29,4 +29,4 @@ TEST(Motion, AFrameOnTheBaseGoesWhereItsTwistSays) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::motion_test

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace phasescan {
+namespace phasescan::parallel_test {
 namespace {
 
 TEST(Parallel, EveryIndexIsWorkedOnOnceForAnyNumberOfWorkers) {
@@ -44,4 +44,4 @@ TEST(Parallel, OfSeveralExceptionsThatOfTheLowestWorkerArrives) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::parallel_test

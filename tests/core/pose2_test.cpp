@@ -4,7 +4,7 @@
 
 #include "core/random.hpp"
 
-namespace phasescan {
+namespace phasescan::pose2_test {
 namespace {
 
 Pose2 random_pose(Random& random) {
@@ -75,4 +75,4 @@ TEST(Angle, WrapsIntoTheHalfOpenInterval) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::pose2_test

@@ -8,7 +8,7 @@
 
 #include "ros2/node_support.hpp"
 
-namespace phasescan::dds {
+namespace phasescan::dds::participant_test {
 namespace {
 
 using ros2::OccupancyGrid;
@@ -131,4 +131,4 @@ TEST(Dds, WaitingEndsWhenAMessageComes) {
 }
 
 }  // namespace
-}  // namespace phasescan::dds
+}  // namespace phasescan::dds::participant_test

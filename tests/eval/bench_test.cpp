@@ -9,7 +9,7 @@
 #include "eval/bench_report.hpp"
 #include "support/xml_check.hpp"
 
-namespace phasescan {
+namespace phasescan::bench_test {
 namespace {
 
 /// What a scanner at `pose` sees of a room with a corner cut off, so that no two headings look alike.
@@ -198,4 +198,4 @@ TEST(BenchMethods, NamesAreCheckedAndNoneMayComeTwice) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::bench_test

@@ -9,7 +9,7 @@
 
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::log_doctor_test {
 namespace {
 
 constexpr int kScans = 60;
@@ -148,4 +148,4 @@ TEST(LogDoctor, HearsFromTheReaderWhatItReadAsUnknown) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::log_doctor_test

@@ -14,7 +14,7 @@
 #include "sim/truth.hpp"
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::pair_information_test {
 namespace {
 
 /// Largest standard deviation of the position [m].
@@ -84,4 +84,4 @@ TEST(SurfaceInformation, ScansWithoutHitsHoldNothing) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::pair_information_test

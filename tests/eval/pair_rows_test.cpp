@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace phasescan {
+namespace phasescan::pair_rows_test {
 namespace {
 
 ScanPair make_pair(const std::string& dataset, const std::string& cls, std::optional<Pose2> truth) {
@@ -116,4 +116,4 @@ TEST(ScanOverlap, IsOneForTheSameScanAndFallsAsTheSceneLeavesTheView) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::pair_rows_test

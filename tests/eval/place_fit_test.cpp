@@ -14,7 +14,7 @@
 #include "slam/place_index.hpp"
 #include "slam/place_projection.hpp"
 
-namespace phasescan {
+namespace phasescan::place_fit_test {
 namespace {
 
 TEST(PlaceProjection, LettersKeepNumbers) {
@@ -92,4 +92,4 @@ TEST(PlaceFit, WritesARowForEachNumberAndRefusesTooFewPlaces) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::place_fit_test

@@ -9,7 +9,7 @@
 
 #include "phasescan/io/error.hpp"
 
-namespace phasescan {
+namespace phasescan::relations_test {
 namespace {
 
 std::string temporary(const std::string& name, const std::string& text) {
@@ -65,4 +65,4 @@ TEST(Relations, PosesOfTheLaser) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::relations_test

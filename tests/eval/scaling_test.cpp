@@ -6,7 +6,7 @@
 
 #include "support/xml_check.hpp"
 
-namespace phasescan {
+namespace phasescan::scaling_test {
 namespace {
 
 TEST(Scaling, ThePowerIsFoundOfPowers) {
@@ -43,4 +43,4 @@ TEST(Scaling, EveryValueIsMatchedAndDrawn) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::scaling_test

@@ -7,7 +7,7 @@
 
 #include "core/random.hpp"
 
-namespace phasescan {
+namespace phasescan::statistics_test {
 namespace {
 
 TEST(Wilson, AgreesWithPublishedValues) {
@@ -113,4 +113,4 @@ TEST(CalibrationError, AgreesWithBinningByHand) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::statistics_test

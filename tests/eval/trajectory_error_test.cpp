@@ -7,7 +7,7 @@
 
 #include "core/random.hpp"
 
-namespace phasescan {
+namespace phasescan::trajectory_error_test {
 namespace {
 
 std::vector<StampedPose> wandering(std::size_t n, std::uint64_t seed) {
@@ -101,4 +101,4 @@ TEST(TrajectoryError, PairsByTimeWhateverTheOrder) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::trajectory_error_test

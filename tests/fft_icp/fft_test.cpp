@@ -8,7 +8,7 @@
 
 #include "core/random.hpp"
 
-namespace phasescan {
+namespace phasescan::fft_test {
 namespace {
 
 FloatBuffer noise(std::size_t n, std::uint64_t seed) {
@@ -115,4 +115,4 @@ TEST(Fft, ShapesItCannotDoAreTheCallersMistake) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::fft_test

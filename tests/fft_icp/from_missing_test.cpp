@@ -5,7 +5,7 @@
 #include "phasescan/core/pose2.hpp"
 #include "core/random.hpp"
 
-namespace phasescan {
+namespace phasescan::from_missing_test {
 namespace {
 
 MissingFeatures random_features(Random& random, int runs) {
@@ -125,4 +125,4 @@ TEST(MissingRotation, NothingMissingOrEverythingMissingIsNoAnswer) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::from_missing_test

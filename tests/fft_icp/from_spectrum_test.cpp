@@ -5,7 +5,7 @@
 #include "fft_icp/image/rasterize.hpp"
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::from_spectrum_test {
 namespace {
 
 constexpr int kSize = 128;
@@ -70,4 +70,4 @@ TEST(SpectralRotation, AnEmptyImageHasNoRotation) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::from_spectrum_test

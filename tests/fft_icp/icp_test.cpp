@@ -7,7 +7,7 @@
 
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::icp_test {
 namespace {
 
 ScanPoints random_points(std::size_t n, std::uint64_t seed) {
@@ -182,4 +182,4 @@ TEST(Covariance, IsTheInverseOfTheInformationWhereThatExists) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::icp_test

@@ -10,7 +10,7 @@
 #include "support/rooms.hpp"
 #include "support/paths.hpp"
 
-namespace phasescan {
+namespace phasescan::methods_test {
 namespace {
 
 constexpr FftIcpMethod kMethods[] = {FftIcpMethod::kIcp, FftIcpMethod::kNdt, FftIcpMethod::kFft, FftIcpMethod::kFftIcp1,
@@ -291,4 +291,4 @@ TEST(FftMethods, TheAnswerDoesNotDependOnTheFftLibrary) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::methods_test

@@ -4,7 +4,7 @@
 
 #include "phasescan/core/pose2.hpp"
 
-namespace phasescan {
+namespace phasescan::missing_test {
 namespace {
 
 /// A scan of one beam per degree from -180 deg in which the given sectors [deg] are missing.
@@ -103,4 +103,4 @@ TEST(Missing, EmptyAndSingleBeamsAreHarmless) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::missing_test

@@ -4,7 +4,7 @@
 
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::ndt_test {
 namespace {
 
 ScanPoints room_points(const Pose2& pose, std::uint64_t seed = 1) {
@@ -71,4 +71,4 @@ TEST(Ndt, NoPointsAndFarPointsAreHarmless) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::ndt_test

@@ -8,7 +8,7 @@
 #include "fft_icp/image/rasterize.hpp"
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::phase_correlation_test {
 namespace {
 
 constexpr int kSize = 64;
@@ -126,4 +126,4 @@ TEST(PhaseCorrelation, AParabolaPeaksWhereItShould) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::phase_correlation_test

@@ -6,7 +6,7 @@
 
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::rasterize_test {
 namespace {
 
 ScanPoints points_at(std::initializer_list<std::pair<float, float>> list) {
@@ -98,4 +98,4 @@ TEST(Rasterize, AWideHallIsShownWhole) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::rasterize_test

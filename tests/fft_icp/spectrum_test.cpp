@@ -8,7 +8,7 @@
 #include "fft_icp/spectrum/polar.hpp"
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::spectrum_test {
 namespace {
 
 constexpr int kSize = 128;
@@ -105,4 +105,4 @@ TEST(Polar, AMagnitudeOfAnotherSizeIsTheCallersMistake) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::spectrum_test

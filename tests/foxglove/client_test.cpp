@@ -10,7 +10,7 @@
 #include "io/ros_encode.hpp"
 #include "support/foxglove_frames.hpp"
 
-namespace phasescan::foxglove {
+namespace phasescan::foxglove::client_test {
 namespace {
 
 using nlohmann::json;
@@ -120,4 +120,4 @@ TEST(FoxgloveClient, APoseThatIsNoneIsRefused) {
 }
 
 }  // namespace
-}  // namespace phasescan::foxglove
+}  // namespace phasescan::foxglove::client_test

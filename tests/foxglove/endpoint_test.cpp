@@ -12,7 +12,7 @@
 #include "io/ros_encode.hpp"
 #include "support/foxglove_frames.hpp"
 
-namespace phasescan::foxglove {
+namespace phasescan::foxglove::endpoint_test {
 namespace {
 
 using nlohmann::json;
@@ -216,4 +216,4 @@ TEST(FoxgloveEndpoint, HandsAPoseOnAndTellsWhatBecameOfIt) {
 }
 
 }  // namespace
-}  // namespace phasescan::foxglove
+}  // namespace phasescan::foxglove::endpoint_test

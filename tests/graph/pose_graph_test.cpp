@@ -8,7 +8,7 @@
 
 #include "core/random.hpp"
 
-namespace phasescan {
+namespace phasescan::pose_graph_test {
 namespace {
 
 Eigen::Matrix3d information(double metres, double radians) {
@@ -215,4 +215,4 @@ TEST(PoseGraph, RefusesWhatIsNoEdge) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::pose_graph_test

@@ -9,7 +9,7 @@
 #include "io/scan_log.hpp"
 #include "support/damage.hpp"
 
-namespace phasescan {
+namespace phasescan::damage_test {
 namespace {
 
 using namespace test;
@@ -265,4 +265,4 @@ TEST(Damage, AFolderIsReadWithoutItsMetadata) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::damage_test

@@ -11,7 +11,7 @@
 #include "support/command.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -188,4 +188,4 @@ TEST(Number, StampsKeepEveryNanosecond) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::file_test

@@ -7,7 +7,7 @@
 #include "phasescan/core/pose2.hpp"
 #include "support/read_text.hpp"
 
-namespace phasescan {
+namespace phasescan::foreign_text_test {
 namespace {
 
 using test::read_text;
@@ -246,4 +246,4 @@ TEST(BeamGeometry, FieldOfViewIncrementAndDirection) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::foreign_text_test

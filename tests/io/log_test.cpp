@@ -14,7 +14,7 @@
 #include "support/data.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::log_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -311,4 +311,4 @@ TEST(Log, RecordedCarmenLogsAreReadWhole) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::log_test

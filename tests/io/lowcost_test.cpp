@@ -8,7 +8,7 @@
 #include "phasescan/io/log.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::lowcost_test {
 namespace {
 
 struct Read {
@@ -208,4 +208,4 @@ TEST(Csv, BadRowsAreNamedAndNamesThatMakeNoLogAreRefused) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::lowcost_test

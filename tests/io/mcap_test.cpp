@@ -6,7 +6,7 @@
 #include "support/recordings.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::mcap_test {
 namespace {
 
 using namespace test;
@@ -55,4 +55,4 @@ TEST(Mcap, NamesAChecksumThatDoesNotFitAndAMissingEnd) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::mcap_test

@@ -10,7 +10,7 @@
 #include "support/ros_fixture.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::mcap_writer_test {
 namespace {
 
 ros::Odometry odometry_message(Stamp stamp, double x, double y) {
@@ -160,4 +160,4 @@ TEST(RosMessages, BigEndianAndTheSecondCdrAreRead) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::mcap_writer_test

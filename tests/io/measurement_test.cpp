@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace phasescan {
+namespace phasescan::measurement_test {
 namespace {
 
 TEST(Measurement, ALaserUpsideDownIsMirroredAndTheOthersAreLeftAlone) {
@@ -23,4 +23,4 @@ TEST(Measurement, ALaserUpsideDownIsMirroredAndTheOthersAreLeftAlone) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::measurement_test

@@ -14,7 +14,7 @@
 #include "support/paths.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::mutated_test {
 namespace {
 
 Scan a_scan(int k) {
@@ -184,4 +184,4 @@ TEST(MutatedFiles, ConfigurationsLoadOrNameTheirLine) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::mutated_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace phasescan {
+namespace phasescan::nearest_word_test {
 namespace {
 
 TEST(NearestWord, CountsLettersAndSwapsOfNeighbours) {
@@ -26,4 +26,4 @@ TEST(NearestWord, NamesTheNearestAndNothingThatIsFar) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::nearest_word_test

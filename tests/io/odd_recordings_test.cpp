@@ -10,7 +10,7 @@
 #include "support/read_text.hpp"
 #include "support/recordings.hpp"
 
-namespace phasescan {
+namespace phasescan::odd_recordings_test {
 namespace {
 
 using test::kMs;
@@ -299,4 +299,4 @@ TEST(SqliteWal, OfARecorderThatWasKilledIsReadAndNothingIsLeft) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::odd_recordings_test

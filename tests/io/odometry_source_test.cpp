@@ -5,7 +5,7 @@
 
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::odometry_source_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -183,4 +183,4 @@ TEST(InterpolatedOdometry, AScanWaitsNoLongerThanItsOdometryMayCome) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::odometry_source_test

@@ -11,7 +11,7 @@
 #include "phasescan/io/scan_json.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::pairs_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -172,4 +172,4 @@ TEST(Pairs, AFileWithoutALineIsAnError) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::pairs_test

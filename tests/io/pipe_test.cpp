@@ -15,7 +15,7 @@
 #include "support/recordings.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::pipe_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -100,4 +100,4 @@ TEST(Pipe, ADatabaseIsNamedAsWhatNeedsAFile) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::pipe_test

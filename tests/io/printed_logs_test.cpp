@@ -5,7 +5,7 @@
 #include "phasescan/core/pose2.hpp"
 #include "support/read_text.hpp"
 
-namespace phasescan {
+namespace phasescan::printed_logs_test {
 namespace {
 
 using test::read_text;
@@ -148,4 +148,4 @@ TEST(Sick, TelegramsOfColaA) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::printed_logs_test

@@ -10,7 +10,7 @@
 #include "phasescan/io/error.hpp"
 #include "io/number.hpp"
 
-namespace phasescan {
+namespace phasescan::quick_parse_test {
 namespace {
 
 std::uint64_t bits_of(double value) {
@@ -105,4 +105,4 @@ TEST(QuickParse, WhatIsNotPlainGoesTheSlowWay) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::quick_parse_test

@@ -6,7 +6,7 @@
 #include "support/recordings.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::rosbag1_test {
 namespace {
 
 using namespace test;
@@ -64,4 +64,4 @@ TEST(Rosbag1, GoesOnBehindADamagedChunk) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::rosbag1_test

@@ -8,7 +8,7 @@
 #include "support/recordings.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::rosbag2_test {
 namespace {
 
 using namespace test;
@@ -86,4 +86,4 @@ TEST(Rosbag2, RefusesWhatIsNoRecording) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::rosbag2_test

@@ -10,7 +10,7 @@
 #include "phasescan/io/log.hpp"
 #include "support/read_text.hpp"
 
-namespace phasescan {
+namespace phasescan::round_trip_test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -138,4 +138,4 @@ TEST(CutLog, RangesDirectionsAndTime) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::round_trip_test

@@ -7,7 +7,7 @@
 #include "phasescan/io/log.hpp"
 #include "support/data.hpp"
 
-namespace phasescan {
+namespace phasescan::shared_recordings_test {
 namespace {
 
 struct Content {
@@ -132,4 +132,4 @@ TEST(SharedRecordings, ContradictThemselvesNowhere) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::shared_recordings_test

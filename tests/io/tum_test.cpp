@@ -8,7 +8,7 @@
 
 #include "phasescan/io/error.hpp"
 
-namespace phasescan {
+namespace phasescan::tum_test {
 namespace {
 
 class Tum : public ::testing::Test {
@@ -51,4 +51,4 @@ TEST_F(Tum, EightNumbersALineAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::tum_test

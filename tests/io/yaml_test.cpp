@@ -12,7 +12,7 @@
 #include "sim/world_file.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::yaml_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -70,4 +70,4 @@ TEST(Yaml, EveryFileReadAsYamlGoesThroughTheBounds) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::yaml_test

@@ -6,7 +6,7 @@
 #include "live/rplidar.hpp"
 #include "live/wire.hpp"
 
-namespace phasescan::live {
+namespace phasescan::live::golden_test {
 namespace {
 
 using namespace testing;
@@ -273,4 +273,4 @@ TEST(Golden, Sick) {
 }
 
 }  // namespace
-}  // namespace phasescan::live
+}  // namespace phasescan::live::golden_test

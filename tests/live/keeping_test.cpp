@@ -15,7 +15,7 @@
 #include "phasescan/slam/state.hpp"
 #include "support/command.hpp"
 
-namespace phasescan {
+namespace phasescan::keeping_test {
 namespace {
 
 using test::CommandResult;
@@ -201,4 +201,4 @@ TEST(GrowingFile, ARefusedPieceIsCutOffAgain) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::keeping_test

@@ -7,7 +7,7 @@
 
 #include "support/command.hpp"
 
-namespace phasescan {
+namespace phasescan::live_command_test {
 namespace {
 
 using test::CommandResult;
@@ -44,4 +44,4 @@ TEST(Live, ALogThatIsReplayedGivesALineAScan) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::live_command_test

@@ -23,7 +23,7 @@
 #include "phasescan/live/live.hpp"
 #include "support/command.hpp"
 
-namespace phasescan::live {
+namespace phasescan::live::ports_test {
 namespace {
 
 using namespace testing;
@@ -216,4 +216,4 @@ TEST(Ports, AFileThatIsNoPortIsSaidToBeNone) {
 }
 
 }  // namespace
-}  // namespace phasescan::live
+}  // namespace phasescan::live::ports_test

@@ -9,7 +9,7 @@
 #include "phasescan/live/live.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan::live {
+namespace phasescan::live::run_test {
 namespace {
 
 using namespace phasescan::testing;
@@ -211,4 +211,4 @@ TEST(SlamEngine, ARestartForgets) {
 }
 
 }  // namespace
-}  // namespace phasescan::live
+}  // namespace phasescan::live::run_test

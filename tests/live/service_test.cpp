@@ -19,7 +19,7 @@
 #include "support/command.hpp"
 #include "support/paths.hpp"
 
-namespace phasescan {
+namespace phasescan::service_test {
 namespace {
 
 using test::CommandResult;
@@ -177,4 +177,4 @@ TEST(Service, EventsAreOneLineEachWhereNobodySits) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::service_test

@@ -9,7 +9,7 @@
 #include "live/streams.hpp"
 #include "phasescan/live/turns.hpp"
 
-namespace phasescan::live {
+namespace phasescan::live::stream_test {
 namespace {
 
 using namespace testing;
@@ -236,4 +236,4 @@ TEST_P(Streams, RubbishIsBounded) {
 }
 
 }  // namespace
-}  // namespace phasescan::live
+}  // namespace phasescan::live::stream_test

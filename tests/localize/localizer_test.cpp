@@ -7,7 +7,7 @@
 
 #include "support/toy_map.hpp"
 
-namespace phasescan {
+namespace phasescan::localizer_test {
 namespace {
 
 using testing::toy_map;
@@ -185,4 +185,4 @@ TEST(Localizer, SameScansSameAnswers) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::localizer_test

@@ -9,7 +9,7 @@
 #include "localize/view_table.hpp"
 #include "support/toy_map.hpp"
 
-namespace phasescan {
+namespace phasescan::map_grid_test {
 namespace {
 
 using testing::toy_map;
@@ -145,4 +145,4 @@ TEST(ScanView, EmptyDirectionsAreKnownOnlyWhereASensorLooked) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::map_grid_test

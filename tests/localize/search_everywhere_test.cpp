@@ -5,7 +5,7 @@
 
 #include "support/toy_map.hpp"
 
-namespace phasescan {
+namespace phasescan::search_everywhere_test {
 namespace {
 
 TEST(SearchEverywhere, FindsTheTruthAndNothingLikelierThanItsBest) {
@@ -33,4 +33,4 @@ TEST(SearchEverywhere, FindsTheTruthAndNothingLikelierThanItsBest) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::search_everywhere_test

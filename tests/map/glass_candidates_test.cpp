@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace phasescan {
+namespace phasescan::glass_candidates_test {
 namespace {
 
 /// A wall x = `at` between y = low and y = high.
@@ -58,4 +58,4 @@ TEST(GlassCandidates, AGapIsOneWhereItsWallGoesOnInOneLine) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::glass_candidates_test

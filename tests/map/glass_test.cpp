@@ -7,7 +7,7 @@
 
 #include "sim/lidar.hpp"
 
-namespace phasescan {
+namespace phasescan::glass_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -241,4 +241,4 @@ TEST(Glass, CellsOfAPane) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::glass_test

@@ -10,7 +10,7 @@
 #include "core/random.hpp"
 #include "phasescan/map/trinary_map.hpp"
 
-namespace phasescan {
+namespace phasescan::occupancy_grid_test {
 namespace {
 
 Scan scan_of(const std::vector<float>& ranges, double angle_min, double increment, double range_max = 0.0) {
@@ -187,4 +187,4 @@ TEST(TrinaryMap, ThresholdsAndOrigin) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::occupancy_grid_test

@@ -7,7 +7,7 @@
 #include "map/occupancy_grid.hpp"
 #include "map/view_rays.hpp"
 
-namespace phasescan {
+namespace phasescan::occupancy_rules_test {
 namespace {
 
 constexpr Pose2 kInCell{0.05, 0.05, 0.0};  // the middle of cell (0, 0)
@@ -107,4 +107,4 @@ TEST(ViewRays, ABeamMeetsALineAheadThatItDoesNotGraze) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::occupancy_rules_test

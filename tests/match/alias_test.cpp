@@ -7,7 +7,7 @@
 #include "phasescan/match/scan_matcher.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::alias_test {
 namespace {
 
 /// A room of 5 x 3.4 m that looks the same after half a turn about its middle.
@@ -61,4 +61,4 @@ TEST(GlobalMatch, ABetterPlaceALittleAlongACorridorIsTaken) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::alias_test

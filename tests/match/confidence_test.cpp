@@ -9,7 +9,7 @@
 
 #include "match/hypothesis_list.hpp"
 
-namespace phasescan {
+namespace phasescan::confidence_test {
 namespace {
 
 Hypothesis hypothesis(const Pose2& pose, double score) {
@@ -161,4 +161,4 @@ TEST(HypothesisList, OfEqualsTheOneThatTurnedLessComesFirst) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::confidence_test

@@ -9,7 +9,7 @@
 #include "support/prepared.hpp"
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::evidence_test {
 namespace {
 
 using test::prepared;
@@ -100,4 +100,4 @@ TEST(Evidence, TheTruePoseBeatsWrongOnes) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::evidence_test

@@ -9,7 +9,7 @@
 #include "sim/pairs_spec.hpp"
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::global_motion_test {
 namespace {
 
 struct Error {
@@ -228,4 +228,4 @@ TEST(GlobalGeometry, WhatIsSeenThroughGlassIsNotBelieved) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::global_motion_test

@@ -6,7 +6,7 @@
 #include "phasescan/match/scan_matcher.hpp"
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::global_test {
 namespace {
 
 void expect_near(const Pose2& found, const Pose2& truth, double metres, double degrees) {
@@ -146,4 +146,4 @@ TEST(Global, HopelessScansAreNeverUsable) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::global_test

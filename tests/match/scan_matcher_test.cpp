@@ -4,7 +4,7 @@
 
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::scan_matcher_test {
 namespace {
 
 TEST(ScanMatcher, APreparedReferenceGivesTheSameAnswer) {
@@ -42,4 +42,4 @@ TEST(ScanMatcher, AnOptionOutOfBoundsIsNamed) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::scan_matcher_test

@@ -11,7 +11,7 @@
 #include "support/rooms.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::search_rules_test {
 namespace {
 
 PreparedScan prepared_for(const GlobalSearch& search, const Scan& scan) {
@@ -232,4 +232,4 @@ TEST(Search, WithoutFreeSpaceAHitSeenThroughCountsForNothing) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::search_rules_test

@@ -6,7 +6,7 @@
 
 #include "core/random.hpp"
 
-namespace phasescan {
+namespace phasescan::sparse_correlation_test {
 namespace {
 
 constexpr int kWindow = CorrelationWindow::kWindow;
@@ -68,4 +68,4 @@ TEST(SparseCorrelation, PeaksAreTheLargestSumsAndApart) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::sparse_correlation_test

@@ -76,7 +76,7 @@ void operator delete[](void* p, std::size_t, std::align_val_t) noexcept {
   std::free(p);
 }
 
-namespace phasescan {
+namespace phasescan::allocation_test {
 namespace {
 
 /// What a match does before its refinement, and how often it allocates.
@@ -182,4 +182,4 @@ TEST(Allocation, NoMethodMakesMemoryGrow) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::allocation_test

@@ -7,7 +7,7 @@
 
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::any_matcher_test {
 namespace {
 
 AnyMatchOptions options_of(MatchMethod method, RotationsFrom rotations = RotationsFrom::kOwn) {
@@ -47,4 +47,4 @@ TEST(AnyMatcher, TheEarlierNameOfTheDefaultIsUnderstood) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::any_matcher_test

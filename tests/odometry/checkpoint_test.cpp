@@ -9,7 +9,7 @@
 #include "support/state_bytes.hpp"
 #include "support/toy_logs.hpp"
 
-namespace phasescan {
+namespace phasescan::checkpoint_test {
 namespace {
 
 using testing::from_bytes;
@@ -90,4 +90,4 @@ TEST(Checkpoint, TheFirstKeyframeIsPartOfTheState) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::checkpoint_test

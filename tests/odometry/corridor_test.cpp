@@ -13,7 +13,7 @@
 #include "sim/world_file.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::corridor_test {
 namespace {
 
 using testing::corridor_with_niches;
@@ -213,4 +213,4 @@ TEST(FitAlong, AnswersWithoutPointsAndWithoutMap) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::corridor_test

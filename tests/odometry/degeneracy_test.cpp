@@ -7,7 +7,7 @@
 
 #include "phasescan/core/pose2.hpp"
 
-namespace phasescan {
+namespace phasescan::degeneracy_test {
 namespace {
 
 TEST(Degeneracy, ABoundShrinksOnlyWhatIsLarger) {
@@ -58,4 +58,4 @@ TEST(Degeneracy, AStepThatIsNotSeenIsUncertainByAMetreAlongIt) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::degeneracy_test

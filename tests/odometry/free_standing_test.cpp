@@ -8,7 +8,7 @@
 #include "odometry/tracker.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::free_standing_test {
 namespace {
 
 using testing::toy_scan;
@@ -134,4 +134,4 @@ TEST(FreeStanding, SomebodyWhoLeadsTheRobotDoesNotHoldIt) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::free_standing_test

@@ -10,7 +10,7 @@
 #include "scan/surface.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::motion_model_test {
 namespace {
 
 constexpr double kPeriod = 0.1;
@@ -229,4 +229,4 @@ TEST(SearchPolicy, AfterLostScansTheMatchWithoutAGuessCountsWithinWhatRobotsCanD
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::motion_model_test

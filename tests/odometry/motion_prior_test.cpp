@@ -9,7 +9,7 @@
 #include "scan/surface.hpp"
 #include "support/state_bytes.hpp"
 
-namespace phasescan {
+namespace phasescan::motion_prior_test {
 namespace {
 
 std::vector<float> rough_corridor(double x, Random& noise, double relief_m = 0.012) {
@@ -116,4 +116,4 @@ TEST(MotionPrior, WhereRestAndMotionLookTheSameRestIsNotTold) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::motion_prior_test

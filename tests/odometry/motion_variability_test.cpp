@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace phasescan {
+namespace phasescan::motion_variability_test {
 namespace {
 
 TEST(MotionVariability, SmallStepsAreDense) {
@@ -34,4 +34,4 @@ TEST(MotionVariability, ScansFarApartAreSparseByWhatWasSeenOrByTime) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::motion_variability_test

@@ -13,7 +13,7 @@
 
 #include "support/toy_logs.hpp"
 
-namespace phasescan {
+namespace phasescan::odometry_test {
 namespace {
 
 using testing::toy_scan;
@@ -133,4 +133,4 @@ TEST(Odometry, RefusesOptionsOutOfBounds) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::odometry_test

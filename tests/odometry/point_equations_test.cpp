@@ -6,7 +6,7 @@
 
 #include "core/random.hpp"
 
-namespace phasescan {
+namespace phasescan::point_equations_test {
 namespace {
 
 TEST(PointEquations, AreThoseOfAPlainLoop) {
@@ -63,4 +63,4 @@ TEST(PointEquations, AreThoseOfAPlainLoop) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::point_equations_test

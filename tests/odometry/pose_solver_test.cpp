@@ -9,7 +9,7 @@
 #include "odometry/frame.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::pose_solver_test {
 namespace {
 
 using testing::Wall;
@@ -202,4 +202,4 @@ TEST(Frame, WhatStandsFreeIsLeftOutUnlessTheMapHasItOrItIsOnAWall) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::pose_solver_test

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace phasescan {
+namespace phasescan::scan_clock_test {
 namespace {
 
 Scan scan_at(double seconds, double time_increment = 0.0) {
@@ -89,4 +89,4 @@ TEST(ScanClock, ATurnThatLastsLongerThanItsPeriodIsAWrongHeader) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::scan_clock_test

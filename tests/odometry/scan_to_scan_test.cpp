@@ -9,7 +9,7 @@
 
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::scan_to_scan_test {
 namespace {
 
 using testing::toy_scan;
@@ -117,4 +117,4 @@ TEST(ScanToScan, WhereMostMatchesAreAmbiguousTheFewThatClaimToKnowAreNotCertain)
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::scan_to_scan_test

@@ -7,7 +7,7 @@
 #include "odometry/tracker.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::tracker_rules_test {
 namespace {
 
 using testing::add_box;
@@ -89,4 +89,4 @@ TEST(TrackerRules, AMatchOfTooLittleOfAScanDoesNotCount) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::tracker_rules_test

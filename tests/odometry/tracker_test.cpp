@@ -10,7 +10,7 @@
 #include "core/motion.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::tracker_test {
 namespace {
 
 using testing::toy_scan;
@@ -251,4 +251,4 @@ TEST(Tracker, RefusesOptionsOutOfBounds) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::tracker_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace phasescan {
+namespace phasescan::wheel_monitor_test {
 namespace {
 
 constexpr double kHeardFrom = 0.6;  // trust from which the motion model hears the wheels
@@ -79,4 +79,4 @@ TEST(WheelMonitor, AJumpIsNoStepAndCostsTrust) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::wheel_monitor_test

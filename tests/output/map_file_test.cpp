@@ -10,7 +10,7 @@
 #include "io/file.hpp"
 #include "support/paths.hpp"
 
-namespace phasescan {
+namespace phasescan::map_file_test {
 namespace {
 
 class MapFile : public ::testing::Test {
@@ -132,4 +132,4 @@ TEST_F(MapFile, BadFilesAreRefusedWithAReason) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::map_file_test

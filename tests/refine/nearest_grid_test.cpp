@@ -6,7 +6,7 @@
 
 #include "core/random.hpp"
 
-namespace phasescan {
+namespace phasescan::nearest_grid_test {
 namespace {
 
 std::vector<SurfacePoint> random_points(Random& random, int count, double half_width) {
@@ -72,4 +72,4 @@ TEST(NearestGrid, PointsOutsideAndNonsensePositionsAreHarmless) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::nearest_grid_test

@@ -6,7 +6,7 @@
 #include "support/prepared.hpp"
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::point_to_line_test {
 namespace {
 
 using test::prepared;
@@ -111,4 +111,4 @@ TEST(PointToLine, ACorridorLeavesItsLengthOpen) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::point_to_line_test

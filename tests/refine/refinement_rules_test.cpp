@@ -4,7 +4,7 @@
 #include "support/prepared.hpp"
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::refinement_rules_test {
 namespace {
 
 using test::prepared;
@@ -192,4 +192,4 @@ TEST(ResidualCovariance, OfHitsThatHoldNothingIsZero) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::refinement_rules_test

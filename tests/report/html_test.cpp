@@ -7,7 +7,7 @@
 #include "report/chart.hpp"
 #include "support/xml_check.hpp"
 
-namespace phasescan {
+namespace phasescan::html_test {
 namespace {
 
 TEST(Table, MarkdownEscapesBarsAndFillsShortRows) {
@@ -46,4 +46,4 @@ TEST(HtmlReport, IsOneWellFormedPageThatLoadsNothing) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::html_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace phasescan {
+namespace phasescan::map_viewer_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -46,4 +46,4 @@ TEST(MapViewer, LoadsNothingAndSaysWhatWasThinned) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::map_viewer_test

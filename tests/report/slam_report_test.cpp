@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace phasescan {
+namespace phasescan::slam_report_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -93,4 +93,4 @@ TEST_F(SlamReportTest, AVerdictStandsOnTopWithItsReasonsOnTheMap) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::slam_report_test

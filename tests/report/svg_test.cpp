@@ -9,7 +9,7 @@
 #include "report/scan_plot.hpp"
 #include "support/xml_check.hpp"
 
-namespace phasescan {
+namespace phasescan::svg_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -142,4 +142,4 @@ TEST(ScanPlot, DrawsAnyResult) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::svg_test

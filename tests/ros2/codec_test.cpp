@@ -11,7 +11,7 @@
 #include "ros2/node_support.hpp"
 #include "support/paths.hpp"
 
-namespace phasescan::ros2 {
+namespace phasescan::ros2::codec_test {
 namespace {
 
 template <class M>
@@ -102,4 +102,4 @@ TEST(Codec, IdlOfTheTreeIsTheOneOfTheDescriptions) {
 }
 
 }  // namespace
-}  // namespace phasescan::ros2
+}  // namespace phasescan::ros2::codec_test

@@ -9,7 +9,7 @@
 #include "ros2/node_support.hpp"
 #include "ros2/qos.hpp"
 
-namespace phasescan::ros2 {
+namespace phasescan::ros2::convert_test {
 namespace {
 
 TEST(Convert, PosesThereAndBack) {
@@ -108,4 +108,4 @@ TEST(Qos, EveryReaderGetsWhatItsWriterOffers) {
 }
 
 }  // namespace
-}  // namespace phasescan::ros2
+}  // namespace phasescan::ros2::convert_test

@@ -8,7 +8,7 @@
 #include "ros2/node_support.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan::ros2 {
+namespace phasescan::ros2::localization_node_test {
 namespace {
 
 /// What the node asked of its finders, and what they answer.
@@ -244,4 +244,4 @@ TEST_F(Node, NoScansAreStale) {
 }
 
 }  // namespace
-}  // namespace phasescan::ros2
+}  // namespace phasescan::ros2::localization_node_test

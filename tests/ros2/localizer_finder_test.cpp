@@ -7,7 +7,7 @@
 #include "ros2/node_support.hpp"
 #include "ros2/slam_node.hpp"
 
-namespace phasescan::ros2 {
+namespace phasescan::ros2::localizer_finder_test {
 namespace {
 
 /// The map that the SLAM node makes of both rooms. Its frame is the robot's first pose, the world's origin.
@@ -95,4 +95,4 @@ TEST_F(Loopback, NoInitialPoseAndSpoiledOdometry) {
 }
 
 }  // namespace
-}  // namespace phasescan::ros2
+}  // namespace phasescan::ros2::localizer_finder_test

@@ -9,7 +9,7 @@
 #include "ros2/node_options.hpp"
 #include "ros2/slam_node.hpp"
 
-namespace phasescan::ros2 {
+namespace phasescan::ros2::parameters_test {
 namespace {
 
 std::string complaint(ParameterTable& table, const std::string& name, const ParameterValue& value,
@@ -96,4 +96,4 @@ TEST(Parameters, BoundsOfEachAreHeld) {
 }
 
 }  // namespace
-}  // namespace phasescan::ros2
+}  // namespace phasescan::ros2::parameters_test

@@ -8,7 +8,7 @@
 
 #include "ros2/node_support.hpp"
 
-namespace phasescan::ros2 {
+namespace phasescan::ros2::scan_intake_test {
 namespace {
 
 class Intake : public ::testing::Test {
@@ -336,4 +336,4 @@ TEST(DiagnosticsTest, TheWorstOfTheLastSecondsCountsAndAllAreListed) {
 }
 
 }  // namespace
-}  // namespace phasescan::ros2
+}  // namespace phasescan::ros2::scan_intake_test

@@ -9,7 +9,7 @@
 #include "ros2/node_support.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan::ros2 {
+namespace phasescan::ros2::slam_node_test {
 namespace {
 
 /// A robot that drives through two rooms: its scans, and wheels that drift.
@@ -293,4 +293,4 @@ TEST(SlamNodeTest, AnyOrderOfMessagesIsSurvived) {
 }
 
 }  // namespace
-}  // namespace phasescan::ros2
+}  // namespace phasescan::ros2::slam_node_test

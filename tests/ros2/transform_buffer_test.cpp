@@ -7,7 +7,7 @@
 
 #include "ros2/node_support.hpp"
 
-namespace phasescan::ros2 {
+namespace phasescan::ros2::transform_buffer_test {
 namespace {
 
 /// A frame that turns and moves: pose in its parent at a time.
@@ -139,4 +139,4 @@ TEST(TransformBuffer, WhatIsNoTransformIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace phasescan::ros2
+}  // namespace phasescan::ros2::transform_buffer_test

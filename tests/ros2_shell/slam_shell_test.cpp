@@ -14,7 +14,7 @@
 #include "ros2/node_support.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan::ros2 {
+namespace phasescan::ros2::slam_shell_test {
 namespace {
 
 using CallbackReturn = rclcpp_lifecycle::LifecycleNode::CallbackReturn;
@@ -149,4 +149,4 @@ TEST_F(SlamShell, AStateThatCannotBeReadKeepsItUnconfigured) {
 }
 
 }  // namespace
-}  // namespace phasescan::ros2
+}  // namespace phasescan::ros2::slam_shell_test

@@ -9,7 +9,7 @@
 
 #include "phasescan/core/pose2.hpp"
 
-namespace phasescan {
+namespace phasescan::bearing_table_test {
 namespace {
 
 constexpr int kBeams = 360;
@@ -57,4 +57,4 @@ TEST(BearingTable, AFewMissingBeamsAreLostBeamsNotEmptiness) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::bearing_table_test

@@ -7,7 +7,7 @@
 #include "phasescan/scan/scan.hpp"
 #include "scan/surface.hpp"
 
-namespace phasescan {
+namespace phasescan::dense_scan_test {
 namespace {
 
 /// A square room of 4 m seen from off its middle, 600 hits a turn, `every` beams from one to the next.
@@ -63,4 +63,4 @@ TEST(DenseScan, HitsAnywhereAmongEmptyBeamsHaveNormalsToo) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::dense_scan_test

@@ -7,7 +7,7 @@
 
 #include "scan/points.hpp"
 
-namespace phasescan {
+namespace phasescan::scan_test {
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -101,4 +101,4 @@ TEST(MakeScan, RangesBeyondAnySensorAreInvalidAndSuchLimitsUnknown) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::scan_test

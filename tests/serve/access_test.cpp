@@ -6,7 +6,7 @@
 #include "serve/router.hpp"
 #include "serve/server.hpp"
 
-namespace phasescan::serve {
+namespace phasescan::serve::access_test {
 namespace {
 
 const AccessRules kLoopback{"", {"localhost", "robot", "robot.local"}};
@@ -119,4 +119,4 @@ TEST(Addresses, AreReadInTheUsualForms) {
 }
 
 }  // namespace
-}  // namespace phasescan::serve
+}  // namespace phasescan::serve::access_test

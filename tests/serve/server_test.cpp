@@ -10,7 +10,7 @@
 #include "serve/raw_client.hpp"
 #include "serve/server.hpp"
 
-namespace phasescan::serve {
+namespace phasescan::serve::server_test {
 namespace {
 
 using test::RawClient;
@@ -303,4 +303,4 @@ TEST_F(ServerTest, APortThatIsTakenIsSaid) {
 }
 
 }  // namespace
-}  // namespace phasescan::serve
+}  // namespace phasescan::serve::server_test

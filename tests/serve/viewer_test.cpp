@@ -14,7 +14,7 @@
 #include "serve/viewer.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan::serve {
+namespace phasescan::serve::viewer_test {
 namespace {
 
 using namespace phasescan::testing;
@@ -321,4 +321,4 @@ TEST(StatusBoard, SaysWhatAMonitorAsks) {
 }
 
 }  // namespace
-}  // namespace phasescan::serve
+}  // namespace phasescan::serve::viewer_test

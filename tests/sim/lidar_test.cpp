@@ -9,7 +9,7 @@
 #include "sim/pairs_spec.hpp"
 #include "sim/world_kinds.hpp"
 
-namespace phasescan::sim {
+namespace phasescan::sim::lidar_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -205,4 +205,4 @@ TEST(Lidar, WhatASensorFileMustNotSayIsNamedWithItsLine) {
 }
 
 }  // namespace
-}  // namespace phasescan::sim
+}  // namespace phasescan::sim::lidar_test

@@ -11,7 +11,7 @@
 #include "sim/pairs_spec.hpp"
 #include "sim/truth.hpp"
 
-namespace phasescan::sim {
+namespace phasescan::sim::pairs_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -130,4 +130,4 @@ TEST(PairsSpec, MistakesNameTheLine) {
 }
 
 }  // namespace
-}  // namespace phasescan::sim
+}  // namespace phasescan::sim::pairs_test

@@ -9,7 +9,7 @@
 #include "sim/ray_caster.hpp"
 #include "sim/world_kinds.hpp"
 
-namespace phasescan::sim {
+namespace phasescan::sim::path_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -171,4 +171,4 @@ TEST(Drive, OdometryWithoutErrorsIsTheTruth) {
 }
 
 }  // namespace
-}  // namespace phasescan::sim
+}  // namespace phasescan::sim::path_test

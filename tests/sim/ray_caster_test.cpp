@@ -7,7 +7,7 @@
 #include "core/random.hpp"
 #include "sim/world_kinds.hpp"
 
-namespace phasescan::sim {
+namespace phasescan::sim::ray_caster_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -61,4 +61,4 @@ TEST(RayCaster, DiscsAreMetOnTheNearSide) {
 }
 
 }  // namespace
-}  // namespace phasescan::sim
+}  // namespace phasescan::sim::ray_caster_test

@@ -11,7 +11,7 @@
 #include "sim/revolution.hpp"
 #include "sim/world_kinds.hpp"
 
-namespace phasescan::sim {
+namespace phasescan::sim::sensor_effects_test {
 namespace {
 
 /// A wall across the view: ranges change with the direction everywhere but straight ahead.
@@ -429,4 +429,4 @@ TEST(SensorEffects, ATurnOfSamplesInStepIsSaidBesideByHalfABeam) {
 }
 
 }  // namespace
-}  // namespace phasescan::sim
+}  // namespace phasescan::sim::sensor_effects_test

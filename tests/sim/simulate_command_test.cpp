@@ -13,7 +13,7 @@
 #include "io/tum.hpp"
 #include "support/paths.hpp"
 
-namespace phasescan {
+namespace phasescan::simulate_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -104,4 +104,4 @@ TEST_F(SimulateCommand, MistakesAreOneLineAndLeaveNothing) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::simulate_command_test

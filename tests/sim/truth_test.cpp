@@ -7,7 +7,7 @@
 
 #include "sim/world_kinds.hpp"
 
-namespace phasescan::sim {
+namespace phasescan::sim::truth_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -151,4 +151,4 @@ TEST(Overlap, IsAllInAnEmptyRoomNoneInTwoAndHalfBehindAWall) {
 }
 
 }  // namespace
-}  // namespace phasescan::sim
+}  // namespace phasescan::sim::truth_test

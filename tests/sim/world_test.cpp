@@ -10,7 +10,7 @@
 #include "sim/world_file.hpp"
 #include "sim/furniture.hpp"
 
-namespace phasescan::sim {
+namespace phasescan::sim::world_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -141,4 +141,4 @@ TEST(Places, AreApartAndEachHasAQueryInSight) {
 }
 
 }  // namespace
-}  // namespace phasescan::sim
+}  // namespace phasescan::sim::world_test

@@ -6,7 +6,7 @@
 #include "slam/place_index.hpp"
 #include "simd/answers.hpp"
 
-namespace phasescan {
+namespace phasescan::targets_test {
 namespace {
 
 /// Runs with one target at a time; the best of the CPU again at the end.
@@ -75,4 +75,4 @@ TEST(Simd, PosesAgreeWithinAMillionth) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::targets_test

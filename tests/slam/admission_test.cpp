@@ -5,7 +5,7 @@
 #include "slam/bounded_admission.hpp"
 #include "support/toy_keyframes.hpp"
 
-namespace phasescan {
+namespace phasescan::admission_test {
 namespace {
 
 using testing::add_box;
@@ -182,4 +182,4 @@ TEST(Admission, APlaceIsRecognisedWhereThePoseIsKnownAlongTheCorridorToo) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::admission_test

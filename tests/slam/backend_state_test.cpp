@@ -6,7 +6,7 @@
 #include "support/state_bytes.hpp"
 #include "support/toy_keyframes.hpp"
 
-namespace phasescan {
+namespace phasescan::backend_state_test {
 namespace {
 
 using testing::to_bytes;
@@ -122,4 +122,4 @@ TEST(BackendState, PiecesAreThoseOfTheGraphAfterEachBatch) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::backend_state_test

@@ -6,7 +6,7 @@
 #include "slam/backend.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::bounded_test {
 namespace {
 
 using testing::toy_scan;
@@ -93,4 +93,4 @@ TEST(Bounded, NothingIsAddedWhereEverythingWasSeen) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::bounded_test

@@ -9,7 +9,7 @@
 #include "sim/world_kinds.hpp"
 #include "phasescan/slam/slam.hpp"
 
-namespace phasescan {
+namespace phasescan::broken_logs_test {
 namespace {
 
 struct Log {
@@ -128,4 +128,4 @@ TEST(BrokenLogs, AScanEveryHalfMetreIsEnough) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::broken_logs_test

@@ -8,7 +8,7 @@
 #include "core/random.hpp"
 #include "slam/graph_session.hpp"
 
-namespace phasescan {
+namespace phasescan::connectivity_test {
 namespace {
 
 /// Keyframes of which some begin a segment, and a graph of steps.
@@ -112,4 +112,4 @@ TEST(Connectivity, StepByStepIsTheSameAsFromTheGraphAndAsPathsInIt) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::connectivity_test

@@ -14,7 +14,7 @@
 #include "sim/world_kinds.hpp"
 #include "slam/slam_state.hpp"
 
-namespace phasescan {
+namespace phasescan::dirty_scans_test {
 namespace {
 
 struct Log {
@@ -223,4 +223,4 @@ TEST(OwnBody, AtRestNothingIsTold) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::dirty_scans_test

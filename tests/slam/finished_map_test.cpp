@@ -7,7 +7,7 @@
 #include "phasescan/slam/slam.hpp"
 #include "sim/lidar.hpp"
 
-namespace phasescan {
+namespace phasescan::finished_map_test {
 namespace {
 
 /// A round past a pane of 2 m in the wall between two rooms, with an RPLidar A1.
@@ -51,4 +51,4 @@ TEST(FinishedMap, PanesAreOccupiedWhereTheyAreSureAlone) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::finished_map_test

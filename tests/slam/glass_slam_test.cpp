@@ -7,7 +7,7 @@
 #include "sim/world_kinds.hpp"
 #include "phasescan/slam/slam.hpp"
 
-namespace phasescan {
+namespace phasescan::glass_slam_test {
 namespace {
 
 struct Claims {
@@ -63,4 +63,4 @@ TEST(GlassSlam, FurnishedBuildingsHaveFewWrongClaimsAndNoClaimedDoor) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::glass_slam_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace phasescan {
+namespace phasescan::graph_session_test {
 namespace {
 
 /// Keyframes 0.25 m apart, as tracking sees them; `turn` of each step [rad].
@@ -147,4 +147,4 @@ TEST(GraphSession, AKeyframeThatShowsNothingNewStandsAtTheNearestNodeAndMovesWit
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::graph_session_test

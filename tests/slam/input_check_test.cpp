@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace phasescan {
+namespace phasescan::input_check_test {
 namespace {
 
 Scan scan_at(double seconds, float range = 2.0F, std::size_t beams = 100, std::size_t hits = 100) {
@@ -87,4 +87,4 @@ TEST(InputCheck, RangesThatStayWhileTheWheelsMoveAreFrozen) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::input_check_test

@@ -7,7 +7,7 @@
 
 #include "core/random.hpp"
 
-namespace phasescan {
+namespace phasescan::keyframe_points_test {
 namespace {
 
 void push(MapPoints& points, float x, float y, float nx, float ny, float variance, float normal_variance, bool free) {
@@ -61,4 +61,4 @@ TEST(KeyframePoints, NoneAndOneAtTheOriginAndHugeVariances) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::keyframe_points_test

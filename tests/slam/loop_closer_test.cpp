@@ -11,7 +11,7 @@
 #include "slam/backend.hpp"
 #include "support/toy_keyframes.hpp"
 
-namespace phasescan {
+namespace phasescan::loop_closer_test {
 namespace {
 
 using testing::toy_keyframes;
@@ -158,4 +158,4 @@ TEST(LoopCloser, PlacesAreSearchedOnlyAfterAWayWithoutOneThatIsAsMapped) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::loop_closer_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace phasescan {
+namespace phasescan::loop_consistency_test {
 namespace {
 
 /// Nodes 0.25 m apart along the x axis, and loops between them that ask for a correction of the later end.
@@ -104,4 +104,4 @@ TEST(LoopConsistency, NoMoreThan64Wait) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::loop_consistency_test

@@ -10,7 +10,7 @@
 #include "sim/drive.hpp"
 #include "sim/world_kinds.hpp"
 
-namespace phasescan {
+namespace phasescan::lost_scans_test {
 namespace {
 
 struct Outcome {
@@ -76,4 +76,4 @@ TEST(LostScans, BurstsOfHalfAViewTearNoMap) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::lost_scans_test

@@ -8,7 +8,7 @@
 
 #include "support/rooms.hpp"
 
-namespace phasescan {
+namespace phasescan::map_check_test {
 namespace {
 
 struct Drive {
@@ -68,4 +68,4 @@ TEST(MapCheck, WhatWasSeenOnceSaysNothing) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::map_check_test

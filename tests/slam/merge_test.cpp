@@ -7,7 +7,7 @@
 #include "support/state_bytes.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::merge_test {
 namespace {
 
 using testing::to_bytes;
@@ -251,4 +251,4 @@ TEST(MergeStates, OneRunAloneIsWhatItWas) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::merge_test

@@ -13,7 +13,7 @@
 #include "scan/points.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::place_index_test {
 namespace {
 
 PlaceDescriptor random_descriptor(Random& random) {
@@ -221,4 +221,4 @@ TEST(PlaceDescriber, FinerSensorsSeeWhatCoarserOnesSee) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::place_index_test

@@ -8,7 +8,7 @@
 #include "core/random.hpp"
 #include "phasescan/core/pose2.hpp"
 
-namespace phasescan {
+namespace phasescan::place_spectrum_test {
 namespace {
 
 // sqrt(|F|) by the definition.
@@ -49,4 +49,4 @@ TEST(PlaceSpectrum, IsTheSlowTransform) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::place_spectrum_test

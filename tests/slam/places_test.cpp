@@ -7,7 +7,7 @@
 #include "slam/place_search.hpp"
 #include "support/toy_keyframes.hpp"
 
-namespace phasescan {
+namespace phasescan::places_test {
 namespace {
 
 using testing::add_box;
@@ -177,4 +177,4 @@ TEST(Places, WhatLiesJustBehindIsNoPlaceSeenBefore) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::places_test

@@ -9,7 +9,7 @@
 #include "slam/path_covariance.hpp"
 #include "support/toy_keyframes.hpp"
 
-namespace phasescan {
+namespace phasescan::repeating_places_test {
 namespace {
 
 using testing::add_box;
@@ -146,4 +146,4 @@ TEST(RepeatingPlaces, PillarsThatAreAllAlikeDoNotMoveTheMap) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::repeating_places_test

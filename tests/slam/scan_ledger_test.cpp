@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace phasescan {
+namespace phasescan::scan_ledger_test {
 namespace {
 
 /// Four scans to each of two keyframes, 0.25 m apart.
@@ -39,4 +39,4 @@ TEST(ScanLedger, ABreakOfTrackingBendsNothingBeforeIt) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::scan_ledger_test

@@ -15,7 +15,7 @@
 #include "slam/scan_store.hpp"
 #include "support/toy_world.hpp"
 
-namespace phasescan {
+namespace phasescan::slam_test {
 namespace {
 
 using testing::toy_scan;
@@ -370,4 +370,4 @@ TEST(ScanStore, ACopyKeepsWhatItHeldWhileTheFirstGrows) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::slam_test

@@ -8,7 +8,7 @@
 #include "slam/backend.hpp"
 #include "support/toy_keyframes.hpp"
 
-namespace phasescan {
+namespace phasescan::snapshot_test {
 namespace {
 
 using testing::toy_keyframes;
@@ -155,4 +155,4 @@ TEST(Snapshot, InBoundedMemoryTheCovarianceStaysThatOfTheMapAndOneMatch) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::snapshot_test

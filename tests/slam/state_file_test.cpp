@@ -12,7 +12,7 @@
 #include "support/state_bytes.hpp"
 #include "support/toy_logs.hpp"
 
-namespace phasescan {
+namespace phasescan::state_file_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -189,4 +189,4 @@ TEST(StateFile, AFieldThatCameLaterKeepsItsDefaultInFilesFromBefore) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::state_file_test

@@ -6,7 +6,7 @@
 #include "slam/scan_ledger.hpp"
 #include "support/toy_keyframes.hpp"
 
-namespace phasescan {
+namespace phasescan::trajectory_refinement_test {
 namespace {
 
 using testing::toy_keyframes;
@@ -74,4 +74,4 @@ TEST(TrajectoryRefinement, MotionOfATurnIsThatBeforeItsStampWhereBeamsAreListedL
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::trajectory_refinement_test

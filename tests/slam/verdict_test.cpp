@@ -8,7 +8,7 @@
 #include "phasescan/slam/slam.hpp"
 #include "support/toy_logs.hpp"
 
-namespace phasescan {
+namespace phasescan::verdict_test {
 namespace {
 
 /// Of a run in which nothing is odd.
@@ -147,4 +147,4 @@ TEST(Verdict, WheelsThatSlipAreAReason) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::verdict_test

@@ -5,7 +5,7 @@
 
 #include "support/toy_keyframes.hpp"
 
-namespace phasescan {
+namespace phasescan::visit_maps_test {
 namespace {
 
 TEST(VisitMaps, SurroundingsAreMadeOfWhatIsWithinTheRadius) {
@@ -28,4 +28,4 @@ TEST(VisitMaps, SurroundingsAreMadeOfWhatIsWithinTheRadius) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::visit_maps_test

@@ -5,7 +5,7 @@
 
 #include "support/toy_keyframes.hpp"
 
-namespace phasescan {
+namespace phasescan::visit_match_test {
 namespace {
 
 LocalMap map_of(const MapPoints& points) {
@@ -98,4 +98,4 @@ TEST(VisitMatch, AnEdgeHoldsThePositionWhereItsWeakestDirectionIsKnownToADecimet
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::visit_match_test

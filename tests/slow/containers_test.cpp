@@ -10,7 +10,7 @@
 #include "support/data.hpp"
 #include "support/unwrap.hpp"
 
-namespace phasescan {
+namespace phasescan::containers_test {
 namespace {
 
 using namespace test;
@@ -119,4 +119,4 @@ TEST(Containers, EveryTextLogIsWalkedToItsEnd) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::containers_test

@@ -13,7 +13,7 @@
 #include "io/tum.hpp"
 #include "support/command.hpp"
 
-namespace phasescan {
+namespace phasescan::live_emulated_test {
 namespace {
 
 using nlohmann::json;
@@ -160,4 +160,4 @@ TEST(Emulated, ASensorOverTcp) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::live_emulated_test

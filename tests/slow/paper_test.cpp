@@ -6,7 +6,7 @@
 
 #include "support/xml_check.hpp"
 
-namespace phasescan {
+namespace phasescan::paper_test {
 namespace {
 
 TEST(Paper, QuickRunHasEveryFigureAndTableAndTheSameBytesOnOneAndTwoThreads) {
@@ -59,4 +59,4 @@ TEST(Paper, DataSaysWhatTheMethodsReach) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::paper_test

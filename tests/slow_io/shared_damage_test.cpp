@@ -9,7 +9,7 @@
 #include "support/data.hpp"
 #include "support/unwrap.hpp"
 
-namespace phasescan {
+namespace phasescan::shared_damage_test {
 namespace {
 
 using namespace test;
@@ -77,4 +77,4 @@ TEST(SharedDamage, Folders) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::shared_damage_test

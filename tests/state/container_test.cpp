@@ -11,7 +11,7 @@
 #include "support/sealed_state.hpp"
 #include "support/temp.hpp"
 
-namespace phasescan {
+namespace phasescan::container_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -115,4 +115,4 @@ TEST(StateContainer, AFileIsReplacedWholeOrNotAtAll) {
 }
 
 }  // namespace
-}  // namespace phasescan
+}  // namespace phasescan::container_test

@@ -9,10 +9,13 @@
 #include "state/writer.hpp"
 
 namespace phasescan {
-
+namespace reader_test {
 enum class Weather : std::uint8_t { kSun, kRain, kSnow };
+}
 template <>
-inline constexpr int kStateEnumCount<Weather> = 3;
+inline constexpr int kStateEnumCount<reader_test::Weather> = 3;
+
+namespace reader_test {
 
 namespace {
 
@@ -154,4 +157,5 @@ TEST(StateReader, ObjectsWithinObjectsEnd) {
 }
 
 }  // namespace
+}  // namespace reader_test
 }  // namespace phasescan

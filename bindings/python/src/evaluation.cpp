@@ -99,7 +99,7 @@ py::dict evaluate(const py::object& trajectory, const py::object& reference, con
   return out;
 }
 
-constexpr const char* kDoc = R"(Says how good a trajectory is, as `phasescan eval` does.
+constexpr const char* kEvaluateDoc = R"(Says how good a trajectory is, as `phasescan eval` does.
 
 Parameters
 ----------
@@ -129,7 +129,7 @@ dict
 void bind_evaluation(py::module_& module) {
   module.def("evaluate", &evaluate, py::arg("trajectory"), py::arg("reference") = py::none(), py::kw_only(),
              py::arg("relations") = py::none(), py::arg("max_gap_s") = py::none(), py::arg("align") = true,
-             py::arg("delta") = 1.0, py::arg("delta_unit") = "f", py::arg("T_base_laser") = py::none(), kDoc);
+             py::arg("delta") = 1.0, py::arg("delta_unit") = "f", py::arg("T_base_laser") = py::none(), kEvaluateDoc);
 }
 
 }  // namespace phasescan::python

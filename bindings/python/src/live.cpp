@@ -130,7 +130,7 @@ std::unique_ptr<PyLive> open_live(const std::string& port, const std::string& se
   return std::make_unique<PyLive>(std::move(source), std::move(asked));
 }
 
-void bind_update(py::module_& module) {
+void bind_live_update(py::module_& module) {
   using live::LiveUpdate;
   py::class_<LiveUpdate> type(module, "LiveUpdate", "What one scan of a plugged-in sensor brought, and how late.");
   type.def_property_readonly(
@@ -189,7 +189,7 @@ SystemError
 }  // namespace
 
 void bind_live(py::module_& module) {
-  bind_update(module);
+  bind_live_update(module);
   py::class_<PyLive> type(module, "Live", "A plugged-in sensor: an iterator of LiveUpdate.");
   type.def("__iter__", [](const py::object& self) { return self; });
   type.def("__next__", &next_update);

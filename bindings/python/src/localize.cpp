@@ -89,7 +89,7 @@ void bind_estimate(py::module_& module) {
   });
 }
 
-void bind_update(py::module_& module) {
+void bind_localization_update(py::module_& module) {
   using Update = LocalizationUpdate;
   py::class_<Update> type(module, "LocalizationUpdate", "What one scan says of the pose on the map.");
   const auto pose = [](const Update& u) { return u.T_map_base; };
@@ -184,7 +184,7 @@ covariance : array_like, shape (3, 3)
 void bind_localize(py::module_& module) {
   bind_known_map(module);
   bind_estimate(module);
-  bind_update(module);
+  bind_localization_update(module);
   bind_localizer(module);
   module.def(
       "locate",

@@ -21,7 +21,7 @@ struct PyOdometry {
   std::mutex mutex;
 };
 
-void bind_update(py::module_& module) {
+void bind_odometry_update(py::module_& module) {
   py::class_<OdometryUpdate> type(module, "OdometryUpdate",
                                   "What one scan brought. odom is where the base stood at the first scan.");
   const auto pose = [](const OdometryUpdate& u) { return u.T_odom_base; };
@@ -65,7 +65,7 @@ py::dict diagnostics_dict(const TrackingDiagnostics& diagnostics) {
 }
 
 void bind_odometry(py::module_& module) {
-  bind_update(module);
+  bind_odometry_update(module);
   py::class_<PyOdometry> type(module, "Odometry",
                               R"(Tracks a robot through its scans against a local map of the last keyframes.
 

@@ -77,7 +77,7 @@ void save(const SimulatedLog& log, const std::filesystem::path& path) {
   truth.commit();
 }
 
-constexpr const char* kDoc = R"(Simulates a drive of a robot with a lidar.
+constexpr const char* kSimulateDoc = R"(Simulates a drive of a robot with a lidar.
 
 Parameters
 ----------
@@ -128,7 +128,7 @@ void bind_simulation(py::module_& module) {
   type.def("__repr__",
            [](const SimulatedLog& log) { return fmt::format("<SimulatedLog of {} scans>", log.entries.size()); });
   module.def("simulate", &simulate, py::arg("world") = "flat", py::kw_only(), py::arg("sensor") = "rplidar-a1",
-             py::arg("path") = "tour", py::arg("seed") = 1, py::arg("motion") = true, kDoc);
+             py::arg("path") = "tour", py::arg("seed") = 1, py::arg("motion") = true, kSimulateDoc);
 }
 
 }  // namespace phasescan::python

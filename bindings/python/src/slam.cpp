@@ -40,7 +40,7 @@ std::unique_ptr<PySlam> new_slam(const py::object& state, const std::string& sch
   return std::make_unique<PySlam>(saved.state, asked, when, threads > 1);
 }
 
-void bind_update(py::module_& module) {
+void bind_slam_update(py::module_& module) {
   py::class_<ScanUpdate> type(module, "ScanUpdate", "What one scan brought at once.");
   type.def_property_readonly("T_map_base", &ScanUpdate::T_map_base,
                              "Pose2: Of the base on the map, as far as known [m, rad].");
@@ -164,7 +164,7 @@ void bind_run(py::class_<PySlam>& type) {
 }  // namespace
 
 void bind_slam(py::module_& module) {
-  bind_update(module);
+  bind_slam_update(module);
   bind_state(module);
   bind_slam_result(module);
   py::class_<PySlam> type(module, "Slam", R"(Tracks, closes loops and keeps the map's poses straight.
