@@ -14,7 +14,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PARTS = {
     "Start": ["start", "install", "coming-from", "troubleshooting", "limits"],
-    "Guides": ["slam", "localise", "live", "ros2", "python", "calibrate", "fleet", "simulator", "examples/README"],
+    "Guides": ["match", "slam", "localise", "live", "ros2", "python", "calibrate", "fleet", "simulator", "examples/README"],
     "Concepts": ["global", "fft_icp", "slam-method", "slam-limits", "places", "architecture"],
     "Reference": ["reference/commands", "parameters", "reference/python", "reference/headers", "logs", "state-file"],
     "Results": ["RESULTS", "rivals"],
