@@ -25,11 +25,6 @@ PYTHON
 # docs/parameters.md is what `config --dump` prints.
 "$1/scripts/parameters" "$2" | cmp -s - "$1/docs/parameters.md" || fail "docs/parameters.md is out of date: run scripts/parameters >docs/parameters.md"
 
-# Every file that the README links to is there.
-grep -oE '\]\([^)#]+\)' "$1/README.md" | sed 's/^](//; s/)$//' | grep -v '^http' | while read -r target; do
-  [ -e "$1/$target" ] || fail "README.md links to $target, which does not exist"
-done
-
 # The ten numbers are the same in README and docs/RESULTS.md, and each stands in the table that it is said to be of.
 /usr/bin/env python3 - "$1" <<'PYTHON' || fail "the ten numbers of README.md, docs/RESULTS.md and the tables differ"
 import pathlib, re, sys

@@ -7,7 +7,8 @@ run by a test of its own. Comments before a block change that:
   <!-- before: COMMANDS -->    shell commands that a reader does not see
   <!-- exit N -->              the next block ends with this exit code
   <!-- not run: REASON -->     the next block needs what a test has not (a sensor, ROS, root, minutes)
-Whatever is run or not, and in the text too: a command and its flags must be those that `phasescan COMMAND --help` knows.
+Whatever is run or not, and in the text too: a command and its flags must be those that `phasescan COMMAND --help` knows, and
+links must lead to files and headings that are there.
 """
 import json
 import os
@@ -106,6 +107,20 @@ def wrong_flags(text, known):
     return wrong
 
 
+def dead_links(path, text):
+    """Links to files that are not there, and to headings that a page has not."""
+    dead = []
+    for target, anchor in re.findall(r"\]\(([^)#\s]*)(?:#([^)\s]*))?\)", text):
+        page = path.parent / target if target else path
+        if re.match(r"[a-z]+:", target):
+            continue
+        headings = re.findall(r"^#+ (.*)$", page.read_text(), re.M) if page.suffix == ".md" and page.exists() else []
+        names = {re.sub(r"[^\w -]", "", heading).strip().lower().replace(" ", "-") for heading in headings}
+        if not page.exists() or (anchor and anchor not in names):
+            dead.append(f"{path}: the link to {target}{'#' + anchor if anchor else ''} leads nowhere")
+    return dead
+
+
 def run_block(kind, code, marks, page):
     if kind in ("sh", "bash"):
         return shell(code, page["folder"], page["environment"], int(marks.get("exit", 0)))
@@ -126,7 +141,7 @@ def check_page(path, page):
     run = left = 0
     parts = list(PART.finditer(text))
     code = [*re.findall(r"`[^`\n]+`", text), *(p[4] for p in parts if p[4])]
-    wrong = [f"{path}: {w}" for w in wrong_flags("\n".join(code), page["known"])]
+    wrong = dead_links(path, text) + [f"{path}: {w}" for w in wrong_flags("\n".join(code), page["known"])]
     marks = {}
     for part in parts:
         place = f"{path}:{text.count(chr(10), 0, part.start()) + 1}"
@@ -153,7 +168,7 @@ def check_page(path, page):
 
 def main():
     source, command, modules = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3]
-    pages = [pathlib.Path(p) for p in sys.argv[4:]] or [source / "README.md", *sorted((source / "docs").rglob("*.md"))]
+    pages = [pathlib.Path(p) for p in sys.argv[4:]] or [source / "README.md", source / "CONTRIBUTING.md", source / "examples/README.md", *sorted((source / "docs").rglob("*.md"))]
     examples = [plain(p.read_text()) for p in sorted((source / "examples").glob("*.cpp"))]
     wrong = []
     known = {"phasescan": str(command)}
