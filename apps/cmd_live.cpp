@@ -180,6 +180,7 @@ void add_live_command(CLI::App& app, CommandBody& body) {
                    "asks a run at its address whether it is well: exit 0 yes, 1 no, 3 no answer")
       ->type_name("http://ADDR:PORT")
       ->check(not_empty());
+  command->add_flag("--ros2", flags->ros2, "publishes transforms, pose, map, path and scans to ROS 2 (ROS_DOMAIN_ID)");
   command->add_flag("--list", flags->list, "ports found and sensors known");
   add_keeping_flags(*command, flags->keeping);
   add_log_flags(*command, flags->options);

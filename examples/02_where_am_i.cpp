@@ -1,4 +1,5 @@
-// The lines of the README, run: where a lidar has got to since an earlier scan.
+// The lines of the README, run: where a lidar has got to since an earlier scan; many scans against one that was
+// prepared.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -40,5 +41,17 @@ int main() {
   std::printf("x %.3f m, y %.3f m, turned %.2f deg\n", found.x, found.y, rad_to_deg(found.theta));
   const bool right =
       translation_distance(found, truth) < 0.02 && angle_distance(found.theta, truth.theta) < deg_to_rad(0.5);
-  return right ? 0 : 1;
+
+  // Many scans against one: what is prepared of the reference is prepared once.
+  const ScanGeometry lidar{.angle_increment = deg_to_rad(1), .range_min = 0.15, .range_max = 6.0};
+  ScanMatcher matcher;
+  const Reference reference = matcher.prepare(make_scan(look_around({}), lidar));
+  int same = 0;
+  for (int k = 0; k < 8; ++k) {
+    const Pose2 pose{0.05 * k, 0.02 * k, 0.3 * k};
+    const MatchResult match = matcher.match(reference, make_scan(look_around(pose), lidar));
+    if (match.usable && translation_distance(match.T_ref_scan, pose) < 0.02) ++same;
+  }
+  std::printf("%d of 8 scans found from the prepared one\n", same);
+  return right && same == 8 ? 0 : 1;
 }

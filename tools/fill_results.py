@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Fills the tables of docs/RESULTS.md and docs/global.md from the results.json files of scripts/bench.
+"""Fills the tables of docs/results and docs/global.md from the results.json files of scripts/bench.
 
 A place for a table is `<!-- table: KIND FOLDER[,FOLDER...] [METHOD,...] -->` ... `<!-- end -->`; what stands between is replaced.
 A place whose results are not there keeps its old content.
-Usage: fill_results.py RESULTS_FOLDER PAGE.md [SOURCE...]   (only the tables of these sources, as `fuzz.md`)
+Usage: fill_results.py RESULTS_FOLDER PAGE [SOURCE...]   (PAGE: a file, or a folder of pages; only the tables of these sources, as `fuzz.md`)
 """
 import datetime
 import json
@@ -191,8 +191,7 @@ def fill(folder, kind, source, methods):
 
 
 def main():
-    folder, page = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-
+    folder, pages = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
     only = sys.argv[3:]
 
     def replace(match):
@@ -202,7 +201,8 @@ def main():
         content = fill(folder, words[0], words[1] if len(words) > 1 else "", words[2].split(",") if len(words) > 2 else [])
         return match[0] if content is None else f"<!-- table: {match[1]} -->\n\n{content}\n<!-- end -->"
 
-    page.write_text(re.sub(r"<!-- table: (.*?) -->\n.*?<!-- end -->", replace, page.read_text(), flags=re.S))
+    for page in sorted(pages.glob("*.md")) if pages.is_dir() else [pages]:
+        page.write_text(re.sub(r"<!-- table: (.*?) -->\n.*?<!-- end -->", replace, page.read_text(), flags=re.S))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The SLAM tables of docs/RESULTS.md, from the results.json files of scripts/slam_results."""
+"""The SLAM tables of docs/results/slam.md, from the results.json files of scripts/slam_results."""
 import verdict_runs
 
 

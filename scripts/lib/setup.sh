@@ -12,6 +12,8 @@ PACKAGES=(build-essential cmake ninja-build pkg-config ccache git
   python3-dev python3-numpy pybind11-dev)
 TEST_PACKAGES=(clang-14 clang-format-14 libclang-rt-14-dev libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
   python3 python3-pytest python3-matplotlib python3-distributed python3-pip python3-setuptools python3-venv python3-wheel mypy python3-pil python3-rosbag librsvg2-bin libfastrtps-dev libfastcdr-dev valgrind groff-base chromium)
+# What scripts/docs makes the site with.
+DOC_PACKAGES=(python3 python3-sphinx python3-myst-parser)
 command -v npm >/dev/null || TEST_PACKAGES+=(nodejs npm)
 # Independent readers of MCAP and ROS 2 messages and a client of the Foxglove protocol, for tests/interop, and what drives Chromium, for tests/browser.
 INTEROP_MODULES=(puppeteer-core@22.15.0 @mcap/core@2.2.2 @foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 @foxglove/wasm-zstd@1.0.1

@@ -23,7 +23,7 @@ struct BenchInfo {
   bool prepared = false;  ///< as in BenchSettings
 };
 
-/// Everything of the run, machine-readable (schema: docs/RESULTS.md).
+/// Everything of the run, machine-readable (schema: docs/results/results-json.md).
 std::string bench_json(const BenchRun& run, const std::vector<BenchMethod>& methods, const BenchInfo& info);
 
 /// Success and honesty, errors, times and confidence as Markdown.

@@ -25,7 +25,21 @@ PYTHON
 # docs/parameters.md is what `config --dump` prints.
 "$1/scripts/parameters" "$2" | cmp -s - "$1/docs/parameters.md" || fail "docs/parameters.md is out of date: run scripts/parameters >docs/parameters.md"
 
-# Every file that the README links to is there.
-grep -oE '\]\([^)#]+\)' "$1/README.md" | sed 's/^](//; s/)$//' | grep -v '^http' | while read -r target; do
-  [ -e "$1/$target" ] || fail "README.md links to $target, which does not exist"
-done
+# The ten numbers are the same in README and docs/RESULTS.md, and each stands in the table that it is said to be of.
+/usr/bin/env python3 - "$1" <<'PYTHON' || fail "the ten numbers of README.md, docs/RESULTS.md and the tables differ"
+import pathlib, re, sys
+root = pathlib.Path(sys.argv[1])
+rows_of = lambda page: re.search(r"^\| ten numbers.*\n\|[-:|]+\n((?:\|.*\n)+)", (root / page).read_text(), re.M)[1].splitlines()
+shown, whole = rows_of("README.md"), rows_of("docs/RESULTS.md")
+wrong = [] if len(shown) == 10 and all(w.startswith(s) for s, w in zip(shown, whole, strict=True)) else ["the rows differ"]
+for row in whole:
+    value, table = row.split(" | ")[1], (root / "docs" / re.search(r"\]\((.*?)\) \|$", row)[1]).read_text()
+    number = re.match(r"[\d.]+", value)[0]
+    share = re.match(r"(\d+) of (\d+)", value)
+    number = f"{100 * int(share[1]) / int(share[2]):.1f}" if share else number
+    digits = len(number.partition(".")[2])
+    found = {f"{float(n):.{digits}f}" for n in re.findall(r"(?<![\d.])\d+\.?\d*(?![\d.])", table)}
+    wrong += [] if number in found else [f"{value} is not in the table"]
+print("\n".join(wrong), file=sys.stderr)
+sys.exit(1 if wrong else 0)
+PYTHON

@@ -33,6 +33,14 @@ TEST(Live, TheListNamesEverySensor) {
     EXPECT_THAT(list.out, ::testing::HasSubstr(name));
 }
 
+TEST(Live, TheHelpNamesEveryFlag) {
+  const CommandResult help = run_command({"live", "--help"});
+  EXPECT_EQ(help.code, 0);
+  for (const char* flag : {"--port", "--replay", "--demo", "--sensor", "--json", "--raw", "--serve", "--folder",
+                           "--health", "--list", "--ros2", "--record", "--save", "--resume", "--mask", "--config"})
+    EXPECT_THAT(help.out, ::testing::HasSubstr(std::string(flag) + " ")) << flag;
+}
+
 TEST(Live, ALogThatIsReplayedGivesALineAScan) {
   const test::TempFolder folder;
   const std::string log = folder / "drive.jsonl";
