@@ -1,4 +1,5 @@
 // A sensor at a port: opened, spoken to, listened to, and opened again when it was away.
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -21,6 +22,12 @@ namespace {
 
 constexpr int kWait_ms = 20;
 constexpr double kReopen_s = 0.3, kSilence_s = 3.0;
+
+/// What a turn lacks stands in it as beams that are invalid.
+double lost_share(const Scan& scan) {
+  const auto lost = std::count(scan.states.begin(), scan.states.end(), BeamState::kInvalid);
+  return static_cast<double>(lost) / static_cast<double>(std::max<std::size_t>(1, scan.size()));
+}
 
 bool is_network(const std::string& port) {
   return port.starts_with("tcp:") || port.starts_with("udp:");
@@ -117,7 +124,8 @@ class SensorSource final : public LiveSource {
       for (Scan& scan : scans) {
         since = now;
         told_silence = false;
-        hand({{std::move(scan), std::string(model_.name)}, arrived});
+        const double lost = lost_share(scan);
+        hand({{std::move(scan), std::string(model_.name)}, arrived, false, lost});
       }
       scans.clear();
       if (const std::string trouble = session->trouble(); trouble != told_trouble) {

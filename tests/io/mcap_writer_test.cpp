@@ -95,6 +95,26 @@ TEST(McapWriter, TheSameMessagesAreTheSameBytes) {
   EXPECT_EQ(test::read_bytes(folder / "a"), test::read_bytes(folder / "b"));
 }
 
+/// A file that grows keeps what its index will say on the disk: the bytes are the same.
+TEST(McapFile, AnIndexThatWaitsOnTheDiskIsTheSame) {
+  const test::TempFolder folder;
+  const std::vector<std::uint8_t> message(40, 7);
+  const auto fill = [&](McapFile& file) {
+    for (int i = 0; i < 1500; ++i) {
+      file.add(i % 3 == 0 ? "/a" : "/b", "std_msgs/msg/String", 1000 * i, message);
+      file.flush();
+    }
+    file.finish();
+  };
+  McapFile whole(folder / "whole.mcap");
+  McapFile growing{GrowingFile(folder / "growing.mcap")};
+  fill(whole);
+  fill(growing);
+  const auto bytes = test::read_bytes(folder / "whole.mcap");
+  EXPECT_GT(bytes.size(), 300000U);
+  EXPECT_EQ(bytes, test::read_bytes(folder / "growing.mcap"));
+}
+
 TEST(McapWriter, WithoutCloseThereIsNoFile) {
   const test::TempFolder folder;
   { McapWriter(folder / "a").transform(7, "map", "odom", {}); }
