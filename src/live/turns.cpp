@@ -20,6 +20,8 @@ constexpr double kLeastTurn = kPi;
 constexpr double kMostApart = 0.35;
 // Directions are rounded: a beam may lie so far before the last one and still follow it.
 constexpr double kMostBack = deg_to_rad(2.0);
+// Farther on it is a jump and not the next beam.
+constexpr double kMostOn = 0.5 * kPi;
 // So many torn turns in a row: the head turns at another speed now.
 constexpr int kTornTurns = 3;
 // Directions that are even to this have no need to be told one by one.
@@ -50,7 +52,8 @@ void TurnAssembler::add_one(const Beam& beam, std::vector<Scan>& out) {
   }
   if (open_ && !beams_.empty()) fill_lost(beam, out);
   // Not every sensor says where a turn starts in each packet: after a torn turn the next one starts at the head's zero.
-  const bool passes_zero = closed_ && beam.sweep < closed_->sweep - kMostBack;
+  const bool passes_zero = closed_ && closed_->sweep + turned_on(closed_->sweep, beam.sweep) >= kTwoPi &&
+                           turned_on(closed_->sweep, beam.sweep) < kMostOn;
   if (closed_) closed_ = beam;
   if (beam.mark == TurnMark::kStarts || passes_zero) {
     if (open_ && !beams_.empty()) finish(out);

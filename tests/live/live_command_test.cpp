@@ -47,10 +47,11 @@ TEST(Live, ALogThatIsReplayedGivesALineAScan) {
 /// The poses are those of `localize`, up to what the order of threads may change.
 TEST(Live, OnAKnownMapTheRobotIsFound) {
   const test::TempFolder folder;
-  const std::string log = folder / "drive.jsonl";
-  ASSERT_EQ(run_command({"simulate", "--world", "flat:3", "--duration", "3", "--sensor", "ld06", "--out", log}).code,
+  const std::string log = folder / "drive.jsonl", whole = folder / "whole.jsonl";
+  ASSERT_EQ(run_command({"simulate", "--world", "flat:3", "--duration", "20", "--sensor", "ld06", "--out", whole}).code,
             0);
-  ASSERT_EQ(run_command({"slam", log, "--out", folder / "map", "--save", folder / "run.state"}).code, 0);
+  ASSERT_EQ(run_command({"convert", whole, log, "--to", "3"}).code, 0);
+  ASSERT_EQ(run_command({"slam", whole, "--out", folder / "map", "--save", folder / "run.state"}).code, 0);
   for (const auto& known : {std::vector<std::string>{"--map", folder / "map/map.yaml"},
                             std::vector<std::string>{"--state", folder / "run.state"}}) {
     const CommandResult run = run_command(

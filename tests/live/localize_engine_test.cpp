@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "live/ros_view.hpp"
 #include "phasescan/live/live.hpp"
@@ -91,7 +92,13 @@ TEST(LocalizeEngine, LostWhereNothingFitsAndFoundAgain) {
   const std::size_t with_map = frames_size(update);
   // Carried away, to a room that is on no map.
   std::vector<Wall> elsewhere;
-  add_box(elsewhere, 18.0, -2.0, 21.5, 1.2), add_box(elsewhere, 19.0, 0.5, 19.3, 0.9);
+  for (int i = 0; i < 14; ++i) {
+    const auto corner = [](int k) {
+      const double radius = k % 2 == 0 ? 0.9 : 1.6, angle = kTwoPi * k / 14.0;
+      return Eigen::Vector2d(20.0 + radius * std::cos(angle), radius * std::sin(angle));
+    };
+    elsewhere.push_back({corner(i), corner(i + 1)});
+  }
   bool ok = false, lost = false;
   for (int i = 0; i < 30; ++i) {
     update = place.see({20.0, 0.02 * i, 0.3}, elsewhere);

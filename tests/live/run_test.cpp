@@ -207,8 +207,13 @@ TEST(SlamEngine, WhereTrackingBrokeNoPoseIsOkUntilTheMapSaysSo) {
   const std::size_t half = drive.tour.size() / 2;
   for (std::size_t i = 0; i < half; ++i) drive.add(i);
   const std::vector<Wall> known = drive.walls;
+  const Eigen::Vector2d at = drive.tour[half].translation();
+  const auto corner = [&at](int k) {
+    const double radius = k % 2 == 0 ? 0.9 : 1.6, angle = kTwoPi * k / 14.0;
+    return Eigen::Vector2d(at + Eigen::Vector2d(radius * std::cos(angle), radius * std::sin(angle)));
+  };
   drive.walls.clear();
-  add_box(drive.walls, 1.0, -3.5, 7.0, 4.0), add_box(drive.walls, 3.0, 2.0, 3.6, 2.4);
+  for (int i = 0; i < 14; ++i) drive.walls.push_back({corner(i), corner(i + 1)});
   std::size_t wrong = 0, right = 0;
   for (std::size_t i = 0; i < 40; ++i) {
     const LiveUpdate update = drive.add(half);
