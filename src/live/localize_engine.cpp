@@ -40,7 +40,8 @@ class LocalizeEngine final : public LiveEngine {
     update.T_map_odom = T_map_odom_;
     update.map_version = map_->version();
     update.twist = at.twist;
-    update.map_covariance = at.T_map_base ? at.covariance : Eigen::Matrix3d(kNowhere * Eigen::Matrix3d::Identity());
+    const bool somewhere = at.T_map_base && at.status != TrackingStatus::kLost;
+    update.map_covariance = somewhere ? at.covariance : Eigen::Matrix3d(kNowhere * Eigen::Matrix3d::Identity());
     return out;
   }
 

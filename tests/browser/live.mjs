@@ -215,7 +215,7 @@ async function lost() {
   await shot(at, "live-lost");
   await at.keyboard.press("d");
   await shot(at, "live-lost-dark");
-  await at.click("#alarm-find");
+  await at.click("#find");
   await at.waitForFunction(() => /whole map/.test(document.getElementById("toasts").textContent), { timeout: 10000 });
   await at.$eval("#toasts", (e) => e.replaceChildren());
   await at.click("#set-pose");

@@ -6,6 +6,7 @@
 
 #include "io/ros_encode.hpp"
 #include "phasescan/io/log.hpp"
+#include "io/mcap_file.hpp"
 #include "io/mcap_writer.hpp"
 #include "support/ros_fixture.hpp"
 #include "support/temp.hpp"

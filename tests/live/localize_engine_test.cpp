@@ -108,6 +108,7 @@ TEST(LocalizeEngine, LostWhereNothingFitsAndFoundAgain) {
   EXPECT_FALSE(ok);
   EXPECT_TRUE(lost);
   EXPECT_EQ(update.update.status, TrackingStatus::kLost);
+  EXPECT_GT((*update.update.map_covariance)(0, 0), 1e3);
   EXPECT_FALSE(has_topic(update, "/pose")) << "a pose that is not to go by is not published";
   EXPECT_LT(frames_size(update), with_map) << "nor is map -> odom";
   for (int i = 0; i < 30; ++i) update = place.see({5.0 + 0.02 * i, 0.5, 1.0});

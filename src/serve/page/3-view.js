@@ -179,7 +179,7 @@ const view = (() => {
     line(world.state.tail, ink[theme].tail, 2);
     context.globalAlpha = 1;
     if (scan) {
-      draw_sigma(scan);
+      if (scan.state !== "lost") draw_sigma(scan);
       for (const at of world.state.hypotheses.slice(1)) {
         context.globalAlpha = 0.35 + 0.5 * Math.min(1, at.confidence);
         arrow(at.x, at.y, at.theta, ink[theme].other, 11);
