@@ -4,9 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <optional>
+#include <thread>
 
 #include "command_list.hpp"
 #include "commands.hpp"
@@ -49,27 +52,35 @@ class Recording final : public live::LiveSink {
  public:
   explicit Recording(const std::string& path) : recorder_(path, [](const std::string& text) { warn(text); }) {}
   void take(const live::LiveUpdate& update) override { recorder_.add(update); }
+  std::uint64_t scans() const { return recorder_.counts().scans + recorder_.counts().dropped; }
 
  private:
   live::Recorder recorder_;
 };
 
-/// A drive that waits for nothing but for the run itself.
+/// A drive that waits for the run and the recording alone: what piles up because a day passes in minutes is none of a
+/// real one.
 class DriveSource final : public live::LiveSource {
  public:
-  explicit DriveSource(sim::Drive drive) : drive_(std::move(drive)) {}
+  DriveSource(sim::Drive drive, std::function<std::uint64_t()> recorded)
+      : drive_(std::move(drive)), recorded_(std::move(recorded)) {}
   bool can_wait() const override { return true; }
   void run(const std::function<bool()>& stop, const std::function<void(live::LiveScan)>& hand,
            const std::function<void(const std::string&)>&) override {
     while (!stop()) {
       auto scan = drive_.next();
       if (!scan) return;
+      constexpr std::uint64_t kBehind = 16;
+      while (handed_ > recorded_() + kBehind && !stop()) std::this_thread::sleep_for(std::chrono::microseconds(200));
+      ++handed_;
       hand({{std::move(scan->entry.scan)}, live::steady_ns()});
     }
   }
 
  private:
   sim::Drive drive_;
+  std::function<std::uint64_t()> recorded_;
+  std::uint64_t handed_ = 0;
 };
 
 std::size_t entries_of(const char* folder) {
@@ -124,7 +135,6 @@ sim::Drive drive_of(const LiveMemoryFlags& flags) {
 int run_live_memory(const LiveMemoryFlags& flags) {
   SlamOptions options = config_from(flags.common).slam;
   options.slam.bounded_memory = true;  // as `live` has it
-  DriveSource source(drive_of(flags));
   ThreadExecutor executor;
   Slam slam(options, Schedule::kLatest, &executor);
   const auto begin = [&] { return Slam(options, Schedule::kLatest, &executor); };
@@ -139,6 +149,7 @@ int run_live_memory(const LiveMemoryFlags& flags) {
   const InterruptGuard guard;
   {
     Recording recording(file);
+    DriveSource source(drive_of(flags), [&recording] { return recording.scans(); });
     live::run_live(
         source, *engine, {&viewer, &board, &recording, &watch}, nullptr, [] { return InterruptGuard::interrupted(); },
         [](const std::string&) {});

@@ -26,7 +26,8 @@ class LocalizeEngine final : public LiveEngine {
 
   LiveUpdate add(std::shared_ptr<const RangeMeasurement> measurement) override {
     LiveUpdate out;
-    const LocalizationUpdate& at = out.located.emplace(localizer_.add(*measurement));
+    LocalizationUpdate& at = out.located.emplace(localizer_.add(*measurement));
+    stay_lost(at);
     out.measurement = std::move(measurement);
     out.map = map_;
     out.confidence = at.confidence;
@@ -48,6 +49,7 @@ class LocalizeEngine final : public LiveEngine {
   std::string set_pose(const Pose2& T_map_base) override {
     // As good as a click into a map on a screen.
     constexpr double kM = 0.3, kRad = 0.15;
+    lost_ = false;
     localizer_.initialize(T_map_base, Eigen::Vector3d(kM * kM, kM * kM, kRad * kRad).asDiagonal());
     return "it looks near there with the next scan";
   }
@@ -59,14 +61,23 @@ class LocalizeEngine final : public LiveEngine {
 
   void restart() override {
     localizer_ = begin_();
+    lost_ = false;
     T_map_odom_ = {};
   }
 
  private:
+  /// Who was lost is found again where he is sure: a first guess elsewhere is no pose to go by.
+  void stay_lost(LocalizationUpdate& at) {
+    if (at.status == TrackingStatus::kLost) lost_ = true;
+    if (at.status == TrackingStatus::kOk) lost_ = false;
+    if (lost_ && at.status == TrackingStatus::kDegraded) at.status = TrackingStatus::kLost;
+  }
+
   static constexpr double kNowhere = 1e6;  // [m^2, rad^2]: as the covariance of what cannot be known is capped
   std::function<Localizer()> begin_;
   Localizer localizer_;
   std::shared_ptr<const KnownMap> map_;
+  bool lost_ = false;
   Pose2 T_map_odom_;  // as of the last pose
 };
 

@@ -103,6 +103,7 @@ TEST(LocalizeEngine, LostWhereNothingFitsAndFoundAgain) {
   for (int i = 0; i < 30; ++i) {
     update = place.see({20.0, 0.02 * i, 0.3}, elsewhere);
     ok |= update.update.status == TrackingStatus::kOk;
+    EXPECT_FALSE(lost && update.has_pose()) << "a guess elsewhere";
     lost |= update.update.status == TrackingStatus::kLost;
   }
   EXPECT_FALSE(ok);
