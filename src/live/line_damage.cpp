@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace phasescan::live {
 namespace {
@@ -13,6 +14,17 @@ constexpr double kHeavy = 0.5, kLight = 0.35;
 constexpr double kMostConfidence = 0.5;
 
 }  // namespace
+
+double lost_share(const Scan& scan, std::optional<Stamp> before) {
+  constexpr double kMissing = 2.5;  // turns
+  const auto count = static_cast<double>(std::max<std::size_t>(1, scan.size()));
+  const auto invalid = static_cast<double>(std::count(scan.states.begin(), scan.states.end(), BeamState::kInvalid));
+  const double here = 1.0 - invalid / count, step = std::abs(scan.geometry.angle_increment);
+  const double turn_s = step > 0.0 ? kTwoPi / step * scan.time_increment : 0.0;
+  if (!before || turn_s <= 0.0) return 1.0 - here;
+  const double turns = stamp_to_seconds(scan.stamp - *before) / turn_s;
+  return turns < kMissing ? 1.0 - here : 1.0 - here / turns;
+}
 
 void LineDamage::add(double lost) {
   lost_ += kWeight * (lost - lost_);

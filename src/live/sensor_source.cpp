@@ -1,5 +1,4 @@
 // A sensor at a port: opened, spoken to, listened to, and opened again when it was away.
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -10,6 +9,7 @@
 #include "io/file.hpp"
 #include "live/clocks.hpp"
 #include "live/find_sensor.hpp"
+#include "live/line_damage.hpp"
 #include "live/port.hpp"
 #include "live/raw_file.hpp"
 #include "live/session.hpp"
@@ -22,12 +22,6 @@ namespace {
 
 constexpr int kWait_ms = 20;
 constexpr double kReopen_s = 0.3, kSilence_s = 3.0;
-
-/// What a turn lacks stands in it as beams that are invalid.
-double lost_share(const Scan& scan) {
-  const auto lost = std::count(scan.states.begin(), scan.states.end(), BeamState::kInvalid);
-  return static_cast<double>(lost) / static_cast<double>(std::max<std::size_t>(1, scan.size()));
-}
 
 bool is_network(const std::string& port) {
   return port.starts_with("tcp:") || port.starts_with("udp:");
@@ -96,6 +90,7 @@ class SensorSource final : public LiveSource {
     std::array<std::uint8_t, 4096> bytes;
     Decoded decoded;
     std::vector<Scan> scans;
+    std::optional<Stamp> last;
     int attempt = 0;
     StreamCounts before;
     Stamp since = system_ns();
@@ -124,7 +119,8 @@ class SensorSource final : public LiveSource {
       for (Scan& scan : scans) {
         since = now;
         told_silence = false;
-        const double lost = lost_share(scan);
+        const double lost = lost_share(scan, last);
+        last = scan.stamp;
         hand({{std::move(scan), std::string(model_.name)}, arrived, false, lost});
       }
       scans.clear();

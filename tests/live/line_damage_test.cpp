@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "phasescan/core/pose2.hpp"
+#include "phasescan/core/time.hpp"
+
 namespace phasescan::live {
 namespace {
 
@@ -38,6 +41,17 @@ TEST(LineDamage, OneBadTurnIsNoDamagedLine) {
   for (int i = 0; i < 20; ++i) judged(damage, 0.05);
   EXPECT_EQ(judged(damage, 0.9).update.status, TrackingStatus::kOk);
   EXPECT_EQ(judged(damage, 0.05).update.status, TrackingStatus::kOk);
+}
+
+TEST(LineDamage, BeamsAndTurnsThatAreMissingAreLost) {
+  Scan scan = make_scan(std::vector<float>(100, 1.0F), {0.0, kTwoPi / 100.0, 0.0, 0.0});
+  scan.time_increment = 0.001;
+  scan.stamp = stamp_from_seconds(50.0);
+  EXPECT_EQ(lost_share(scan, std::nullopt), 0.0);
+  for (std::size_t i = 0; i < 20; ++i) scan.states[i] = BeamState::kInvalid;
+  EXPECT_NEAR(lost_share(scan, std::nullopt), 0.2, 1e-9);
+  EXPECT_NEAR(lost_share(scan, scan.stamp - stamp_from_seconds(0.1)), 0.2, 1e-9);
+  EXPECT_NEAR(lost_share(scan, scan.stamp - stamp_from_seconds(1.0)), 1.0 - 0.8 / 10.0, 1e-9);
 }
 
 TEST(LineDamage, OnAKnownMapToo) {
