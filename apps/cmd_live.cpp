@@ -15,9 +15,9 @@
 #include "live_ros2.hpp"
 #include "live_serve.hpp"
 #include "live_sources.hpp"
+#include "live_tracking.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/live/live.hpp"
-#include "saved_run.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -25,6 +25,7 @@ namespace {
 struct LiveFlags {
   CommonFlags common;
   LogOptions options;
+  TrackingFlags tracking;
   KeepingFlags keeping;
   std::string port, replay, sensor, raw, serve, folder = ".";
   bool demo = false, json = false, list = false, ros2 = false;
@@ -67,56 +68,46 @@ std::string source_text(const LiveFlags& flags) {
   return flags.replay.empty() ? flags.port : flags.replay;
 }
 
-/// A run that begins, or goes on with --resume.
-struct BegunRun {
-  std::optional<SavedRun> saved;
-  SlamOptions options;
-};
-
-BegunRun begin(const LiveFlags& flags, const Config& config) {
-  if (flags.keeping.resume.empty()) return {std::nullopt, config.slam};
-  BegunRun begun{load_run(flags.keeping.resume).saved, {}};
-  begun.options = options_to_go_on(*begun.saved, flags.common.config, config.slam);
-  return begun;
-}
-
-Slam slam_of(const BegunRun& begun, Executor* executor) {
-  if (begun.saved) return Slam(begun.saved->state, begun.options, Schedule::kLatest, executor);
-  return Slam(begun.options, Schedule::kLatest, executor);
+void check_flags(const LiveFlags& flags) {
+  if (!flags.raw.empty() && flags.port.empty())
+    throw std::invalid_argument("--raw: keeps what a port sends; expected --port with it");
+  const TrackingFlags& tracking = flags.tracking;
+  if (!tracking.map.empty() && !tracking.state.empty())
+    throw std::invalid_argument("--map, --state: expected one of them: the map that is known");
+  if (tracking.known_map() && !tracking.resume.empty())
+    throw std::invalid_argument("--resume: goes on with a map that grows; expected it without --map and --state");
+  if (tracking.known_map() && !flags.keeping.save.empty())
+    throw std::invalid_argument("--save: a known map stays as it is; expected it without --map and --state");
 }
 
 int run_live_command(const LiveFlags& flags) {
   if (flags.list) return print_list();
   if (!flags.health.empty()) return run_health(flags.health);
-  if (!flags.raw.empty() && flags.port.empty())
-    throw std::invalid_argument("--raw: keeps what a port sends; expected --port with it");
+  check_flags(flags);
   LiveOutput output(flags.json);
-  BegunRun begun = begin(flags, config_from(flags.common));
-  ThreadExecutor executor;
-  Slam slam = slam_of(begun, &executor);
-  const std::unique_ptr<live::LiveEngine> engine = live::slam_engine(slam, [&] { return slam_of(begun, &executor); });
+  LiveTracking tracking(flags.tracking, flags.common);
   live::LiveTasks tasks;
   serve::StatusBoard board(source_text(flags));
   const auto tell = [&](const std::string& text) {
     output.tell(text);
     board.tell(text);
   };
-  LiveSaver saver(slam, flags.folder);
+  std::optional<LiveSaver> saver;
+  if (tracking.slam() != nullptr) saver.emplace(*tracking.slam(), flags.folder);
   LiveRecording recording(flags.folder, tell);
-  LiveCommands commands(*engine, tasks, &saver, &recording);
-  const LiveShow show(begun.options, board, commands);
+  LiveCommands commands(tracking.engine(), tasks, saver ? &*saver : nullptr, &recording);
+  const LiveShow show(tracking.options(), board, commands);
   LiveRos2 ros2(flags.ros2 || LiveRos2::is_topic(flags.port));
   Source from = source_of(flags, ros2);
   commands.set_replay(from.replay);
-  LiveKeeping keeping(flags.keeping, begun.options.slam.autosave_s, tell);
+  LiveKeeping keeping(flags.keeping, tracking.slam(), tracking.options().slam.autosave_s, tell);
   if (flags.ros2)
-    ros2.publish(begun.options.map, [&](const Pose2& T_map_base, const Eigen::Matrix3d&) {
-      commands.set_pose(T_map_base, [tell](bool, const std::string& text) { tell("initialpose: " + text); });
-    });
-  if (begun.saved && begun.saved->state.scans() > 0)
-    from.source = resumed(std::move(from.source), slam, summarize(begun.saved->state).last_stamp,
-                          begun.options.slam.session_gap_s);
-  if (from.replay == nullptr) begun.saved.reset();  // only a log begins again
+    ros2.publish(
+        tracking.options().map, flags.tracking.known_map(), [&](const Pose2& T_map_base, const Eigen::Matrix3d&) {
+          commands.set_pose(T_map_base, [tell](bool, const std::string& text) { tell("initialpose: " + text); });
+        });
+  from.source = tracking.joined(std::move(from.source));
+  if (from.replay == nullptr) tracking.forget_beginning();  // only a log begins again
   const InterruptGuard guard;
   const std::unique_ptr<serve::Server> server =
       serve_run(flags.serve, live_router(show), [&](const std::string& text) { output.tell(text); });
@@ -126,18 +117,18 @@ int run_live_command(const LiveFlags& flags) {
   live::LiveSummary summary;
   try {
     summary = live::run_live(
-        *from.source, *engine, sinks, &tasks, [] { return InterruptGuard::interrupted(); }, tell,
-        [&] { keeping.between(slam); });
+        *from.source, tracking.engine(), sinks, &tasks, [] { return InterruptGuard::interrupted(); }, tell,
+        [&] { keeping.between(); });
   } catch (...) {
-    saver.wait();
-    keeping.finish(slam);
+    if (saver) saver->wait();
+    keeping.finish();
     throw;
   }
-  saver.wait();  // its answer goes through the server
+  if (saver) saver->wait();  // its answer goes through the server
   output.end();
   tell(fmt::format("{} scans, {} left out because they came faster than they were used, at most {:.1f} ms late",
                    summary.scans, summary.dropped, summary.worst_latency_ms));
-  if (!keeping.finish(slam)) throw SystemError("live", "not all that was to be kept could be written");
+  if (!keeping.finish()) throw SystemError("live", "not all that was to be kept could be written");
   if (summary.scans == 0 && !InterruptGuard::interrupted()) return fail("not one scan came", kAnswerIsNo);
   return kDone;
 }
@@ -182,6 +173,7 @@ void add_live_command(CLI::App& app, CommandBody& body) {
       ->check(not_empty());
   command->add_flag("--ros2", flags->ros2, "publishes transforms, pose, map, path and scans to ROS 2 (ROS_DOMAIN_ID)");
   command->add_flag("--list", flags->list, "ports found and sensors known");
+  add_map_flags(*command, flags->tracking);
   add_keeping_flags(*command, flags->keeping);
   add_log_flags(*command, flags->options);
   add_config_flag(*command, flags->common);

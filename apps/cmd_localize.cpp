@@ -8,13 +8,12 @@
 #include "commands.hpp"
 #include "io/file.hpp"
 #include "io/odometry_source.hpp"
+#include "known_map.hpp"
 #include "localize_output.hpp"
-#include "output/map_file.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
 #include "phasescan/io/log.hpp"
 #include "phasescan/localize/localizer.hpp"
-#include "saved_run.hpp"
 
 namespace phasescan::app {
 namespace {
@@ -27,38 +26,10 @@ struct LocalizeFlags {
   bool each = false;
 };
 
-/// The map as it was read, to be drawn, and as it is localised in.
-struct KnownMap {
-  TrinaryMap drawn;
-  LocalizationMap map;
-};
-
-void warn_of_unread_sections(const Config& config, const std::string& file) {
+void warn_of_sections_not_read(const Config& config, const std::string& file) {
   const std::set<std::string> read{"localize", "odometry"};
   for (const std::string& section : config.sections_set) {
     if (!read.contains(section)) warn(file + ": section " + quote_text(section) + " is not read by localize");
-  }
-}
-
-/// @throws InputError naming the file for a map that nobody can be localised in
-KnownMap load_map(const LocalizeFlags& flags, const Config& config) {
-  const std::string& file = flags.map.empty() ? flags.state : flags.map;
-  TrinaryMap drawn;
-  if (flags.map.empty()) {
-    const LoadedRun loaded = load_run(flags.state);
-    drawn = Slam(loaded.saved.state, loaded.saved.options).map()->draw();
-  } else {
-    bool trap = false;
-    drawn = read_map(flags.map, &trap);
-    if (trap)
-      warn(flags.map +
-           ": pixels of 205, unknown as most tools write them, are free by its free_thresh; 0.196 keeps them apart");
-  }
-  try {
-    LocalizationMap map = LocalizationMap::from_grid(drawn, config.localize);
-    return {std::move(drawn), std::move(map)};
-  } catch (const std::invalid_argument& problem) {
-    throw InputError(file, 0, problem.what());
   }
 }
 
@@ -139,10 +110,10 @@ int run_localize(const LocalizeFlags& flags) {
   check_flags(flags);
   if (!flags.initial.empty()) static_cast<void>(parse_numbers("--initial", flags.initial, 3));
   const Config config = config_from(flags.common);
-  warn_of_unread_sections(config, flags.common.config);
+  warn_of_sections_not_read(config, flags.common.config);
   const std::unique_ptr<LogReader> reader = open_log(flags.log, flags.options);
   const double cpu = process_cpu_seconds();
-  const KnownMap known = load_map(flags, config);
+  const KnownMap known = load_known_map(flags.map, flags.state, config.localize);
   LocalizeRun run;
   run.prepare_cpu_s = process_cpu_seconds() - cpu;
   run.log = flags.log;

@@ -19,8 +19,8 @@ void check_writable(const std::string& path) {
 
 class ResumedSource final : public live::LiveSource {
  public:
-  ResumedSource(std::unique_ptr<live::LiveSource> source, Slam& slam, Stamp last, double session_gap_s)
-      : source_(std::move(source)), slam_(slam), last_(last), session_gap_s_(session_gap_s) {}
+  ResumedSource(std::unique_ptr<live::LiveSource> source, live::LiveEngine& engine, Stamp last, double session_gap_s)
+      : source_(std::move(source)), engine_(engine), last_(last), session_gap_s_(session_gap_s) {}
 
   void run(const std::function<bool()>& stop, const std::function<void(live::LiveScan)>& hand,
            const std::function<void(const std::string&)>& tell) override {
@@ -43,12 +43,12 @@ class ResumedSource final : public live::LiveSource {
       tell(fmt::format("goes on {:.1f} s after the saved run", gap_s));
       return;
     }
-    slam_.begin_session();
+    engine_.relocalise();
     tell("another drive than the saved one: it is tied to that map by what it sees again");
   }
 
   std::unique_ptr<live::LiveSource> source_;
-  Slam& slam_;
+  live::LiveEngine& engine_;
   Stamp last_;
   double session_gap_s_;
 };
@@ -62,11 +62,10 @@ void add_keeping_flags(CLI::App& command, KeepingFlags& flags) {
   command.add_option("--save", flags.save, "keep the run, every few seconds and at the end, to go on from")
       ->type_name("STATE")
       ->check(not_empty());
-  command.add_option("--resume", flags.resume, "go on from a saved run")->type_name("STATE")->check(not_empty());
 }
 
-LiveKeeping::LiveKeeping(const KeepingFlags& flags, double autosave_s, const Tell& tell)
-    : tell_(tell), save_(flags.save) {
+LiveKeeping::LiveKeeping(const KeepingFlags& flags, Slam* slam, double autosave_s, const Tell& tell)
+    : slam_(slam), tell_(tell), save_(flags.save) {
   if (!save_.empty()) check_writable(save_);
   if (!flags.record.empty()) recorder_.emplace(flags.record, tell);
   if (!save_.empty()) state_.emplace(save_, autosave_s, tell);
@@ -76,14 +75,14 @@ void LiveKeeping::take(const live::LiveUpdate& update) {
   if (recorder_) recorder_->add(update);
 }
 
-void LiveKeeping::between(Slam& slam) {
-  if (state_) state_->scan_added(slam);
+void LiveKeeping::between() {
+  if (state_ && slam_ != nullptr) state_->scan_added(*slam_);
 }
 
-bool LiveKeeping::finish(Slam& slam) {
+bool LiveKeeping::finish() {
   bool whole = true;
-  if (state_ && slam.scans() > 0) {
-    whole = state_->finish(slam);
+  if (state_ && slam_ != nullptr && slam_->scans() > 0) {
+    whole = state_->finish(*slam_);
     if (whole) tell_(save_ + ": the run is saved");
   }
   if (recorder_) {
@@ -97,9 +96,9 @@ bool LiveKeeping::finish(Slam& slam) {
   return whole;
 }
 
-std::unique_ptr<live::LiveSource> resumed(std::unique_ptr<live::LiveSource> source, Slam& slam, Stamp last,
-                                          double session_gap_s) {
-  return std::make_unique<ResumedSource>(std::move(source), slam, last, session_gap_s);
+std::unique_ptr<live::LiveSource> resumed(std::unique_ptr<live::LiveSource> source, live::LiveEngine& engine,
+                                          Stamp last, double session_gap_s) {
+  return std::make_unique<ResumedSource>(std::move(source), engine, last, session_gap_s);
 }
 
 }  // namespace phasescan::app

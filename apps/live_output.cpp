@@ -10,16 +10,31 @@
 namespace phasescan::app {
 namespace {
 
+std::string json_pose(const Pose2& pose) {
+  return fmt::format(R"({{"x": {:.4f}, "y": {:.4f}, "theta": {:.5f}}})", pose.x, pose.y, pose.theta);
+}
+
+std::string json_hypotheses(const std::vector<PoseEstimate>& hypotheses) {
+  std::string out;
+  for (const PoseEstimate& at : hypotheses)
+    out += fmt::format(R"({}{{"pose": {}, "confidence": {:.3f}}})", out.empty() ? "" : ", ", json_pose(at.T_map_base),
+                       at.confidence);
+  return out;
+}
+
 std::string json_line(const live::LiveUpdate& live) {
   const ScanUpdate& update = live.update;
   const Pose2 pose = update.T_map_base();
-  std::string line =
-      fmt::format(R"({{"stamp": {:.6f}, "status": "{}", "pose": {{"x": {:.4f}, "y": {:.4f}, "theta": {:.5f}}}, )",
-                  stamp_to_seconds(update.stamp), to_string(update.status), pose.x, pose.y, pose.theta);
+  // On a known map there is none until the robot is found.
+  const bool nowhere = live.located && !live.located->T_map_base;
+  std::string line = fmt::format(R"({{"stamp": {:.6f}, "status": "{}", "pose": {}, )", stamp_to_seconds(update.stamp),
+                                 to_string(update.status), nowhere ? "null" : json_pose(pose));
   const Eigen::Matrix3d covariance = update.map_covariance.value_or(update.odom_covariance);
   line += "\"covariance\": [";
   for (int i = 0; i < 9; ++i) line += fmt::format("{}{:.6g}", i > 0 ? ", " : "", covariance(i / 3, i % 3));
-  return line + fmt::format("], \"confidence\": {:.3f}, \"latency_ms\": {:.2f}}}\n", live.confidence, live.latency_ms);
+  line += fmt::format("], \"confidence\": {:.3f}, \"latency_ms\": {:.2f}", live.confidence, live.latency_ms);
+  if (live.located) line += ", \"hypotheses\": [" + json_hypotheses(live.located->hypotheses) + "]";
+  return line + "}\n";
 }
 
 }  // namespace

@@ -21,9 +21,9 @@ LiveRos2::~LiveRos2() = default;
 std::unique_ptr<live::LiveSource> LiveRos2::open(const std::string& port) {
   return dds::open_ros2(impl_->link, port);
 }
-void LiveRos2::publish(const OccupancyOptions& map,
+void LiveRos2::publish(const OccupancyOptions& map, bool known_map,
                        std::function<void(const Pose2&, const Eigen::Matrix3d&)> set_pose) {
-  impl_->publisher = std::make_unique<dds::LivePublisher>(impl_->link, map, std::move(set_pose));
+  impl_->publisher = std::make_unique<dds::LivePublisher>(impl_->link, map, known_map, std::move(set_pose));
 }
 void LiveRos2::take(const live::LiveUpdate& update) {
   if (impl_->publisher) impl_->publisher->take(update);
@@ -47,7 +47,7 @@ LiveRos2::~LiveRos2() = default;
 std::unique_ptr<live::LiveSource> LiveRos2::open(const std::string&) {
   return nullptr;
 }
-void LiveRos2::publish(const OccupancyOptions&, std::function<void(const Pose2&, const Eigen::Matrix3d&)>) {}
+void LiveRos2::publish(const OccupancyOptions&, bool, std::function<void(const Pose2&, const Eigen::Matrix3d&)>) {}
 void LiveRos2::take(const live::LiveUpdate&) {}
 
 }  // namespace phasescan::app

@@ -21,8 +21,10 @@ class LiveRos2 final : public live::LiveSink {
 
   /// @throws std::invalid_argument for a name that is no topic
   std::unique_ptr<live::LiveSource> open(const std::string& port);
-  /// From now on `take` publishes. @param set_pose  what becomes of a pose on initialpose
-  void publish(const OccupancyOptions& map, std::function<void(const Pose2&, const Eigen::Matrix3d&)> set_pose);
+  /// From now on `take` publishes. @param known_map  poses go to amcl_pose too, as of a node that localises
+  /// @param set_pose  what becomes of a pose on initialpose
+  void publish(const OccupancyOptions& map, bool known_map,
+               std::function<void(const Pose2&, const Eigen::Matrix3d&)> set_pose);
   void take(const live::LiveUpdate& update) override;
 
  private:

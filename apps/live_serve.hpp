@@ -15,7 +15,7 @@ namespace phasescan::app {
 
 /// What is shown of a run.
 struct LiveShow {
-  /// What is given must outlive it.
+  /// @param options  of SLAM; the cells of a known map. What is given must outlive it.
   LiveShow(const SlamOptions& options, const serve::StatusBoard& status_board, serve::LiveControl& live_control);
   /// The run in numbers, as `/api/status` has them.
   std::string status() const { return to_json(board.status(), control.state()); }

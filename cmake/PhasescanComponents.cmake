@@ -4,7 +4,7 @@ set(PHASESCAN_NEEDS_fft_icp match)
 set(PHASESCAN_NEEDS_slam match)
 set(PHASESCAN_NEEDS_localize match slam)
 set(PHASESCAN_NEEDS_io match)
-set(PHASESCAN_NEEDS_live match slam io)
+set(PHASESCAN_NEEDS_live match slam localize io)
 
 set(PHASESCAN_COMPONENTS "all" CACHE STRING "Libraries to build: all, or some of match, fft_icp, slam, localize, io, live; what they stand on comes along")
 # Build folders of earlier versions keep a list of what was all of them then.

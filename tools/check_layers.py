@@ -25,7 +25,7 @@ map          core scan
 slam         core state scan match odometry graph map
 localize     core scan match odometry map slam
 io           core scan
-live         core scan match odometry map slam io
+live         core scan match odometry map slam localize io
 sim          core scan io
 emulate      core scan io live sim
 ros2         core scan map slam odometry localize io

@@ -57,6 +57,12 @@ class Viewers(threading.Thread):
                 except OSError:
                     self.selector.unregister(key.fileobj)
 
+    def close(self):
+        self.going = False
+        self.join()
+        for client in [key.fileobj for key in list(self.selector.get_map().values())] + self.deaf:
+            client.close()
+
 
 class Run:
     """`emulate` and `live` at its port, poses as JSON lines."""
@@ -103,6 +109,31 @@ def one(phasescan, sensor, seconds, viewers, deaf=0):
         watching.going = False
         status = json.load(urllib.request.urlopen(f"http://127.0.0.1:{run.port}/api/status"))
         return latencies, cpu, watching.bytes / seconds, status
+    finally:
+        run.close()
+
+
+def in_turns(phasescan, sensor, seconds, rounds, audiences):
+    """One run that different audiences watch in turns, so that what else the machine does falls upon all of them alike.
+
+    `audiences`: name -> (viewers, deaf). Gives name -> (latencies of all its turns, CPU share, bytes a second).
+    """
+    run = Run(phasescan, sensor)
+    try:
+        run.measure(2.0)
+        found = {name: ([], [], []) for name in audiences}
+        for _ in range(rounds):
+            for name, (viewers, deaf) in audiences.items():
+                watching = Viewers(run.port, viewers, deaf)
+                watching.start()
+                time.sleep(1.0)  # they are sent the whole map first
+                before, begin, cpu, wall = watching.bytes, len(run.latencies), cpu_seconds(run.live.pid), time.monotonic()
+                time.sleep(seconds)
+                found[name][0].extend(run.latencies[begin:])
+                found[name][1].append((cpu_seconds(run.live.pid) - cpu) / (time.monotonic() - wall))
+                found[name][2].append((watching.bytes - before) / seconds)
+                watching.close()
+        return {name: (latencies, sum(cpu) / rounds, sum(sent) / rounds) for name, (latencies, cpu, sent) in found.items()}
     finally:
         run.close()
 

@@ -14,6 +14,7 @@ Config load_config(const std::string& path) {
   OptionTable table = option_table(config);
   table.load_file(path);
   config.sections_set = table.loaded_sections();
+  config.options_set = table.loaded_options();
   config.slam.match = {config.match.match.general, config.match.global};
   return config;
 }

@@ -17,6 +17,7 @@ struct Config {
   SlamOptions slam;
   LocalizeOptions localize;
   std::vector<std::string> sections_set;  ///< those that the file names
+  std::vector<std::string> options_set;   ///< the same, as "section.name"
 
   /// Calls v(section_name, section_struct) for every section, in the order of `config --dump`.
   template <class Self, class Visitor>

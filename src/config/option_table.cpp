@@ -171,6 +171,7 @@ void OptionTable::load_text(const std::string& yaml, const std::string& file) {
       } catch (const std::invalid_argument& error) {
         throw InputError(file, line_of(item.second), section + "." + name + " " + error.what());
       }
+      loaded_options_.push_back(section + "." + name);
     }
   }
   for (const OptionEntry& entry : entries_) {

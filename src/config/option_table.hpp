@@ -50,6 +50,8 @@ class OptionTable {
   const std::vector<OptionEntry>& entries() const { return entries_; }
   /// Sections that what was loaded names, by their present names.
   const std::vector<std::string>& loaded_sections() const { return loaded_sections_; }
+  /// Options that what was loaded names, as "section.name".
+  const std::vector<std::string>& loaded_options() const { return loaded_options_; }
   /// Null for an option that does not exist.
   const OptionEntry* find(std::string_view section, std::string_view name) const;
 
@@ -57,7 +59,7 @@ class OptionTable {
   std::string current_name(std::string_view section) const;
   std::vector<std::string> sections() const;
 
-  std::vector<std::string> loaded_sections_;
+  std::vector<std::string> loaded_sections_, loaded_options_;
   std::vector<OptionEntry> entries_;
   std::vector<std::pair<std::string, std::string>> aliases_;
 };

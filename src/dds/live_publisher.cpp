@@ -43,10 +43,11 @@ struct LivePublisher::Topics {
   Writer<ros2::String> status;
   Writer<ros2::DiagnosticArray> diagnostics;
   Reader<ros2::PoseWithCovarianceStamped> initial_pose;
+  std::optional<Writer<ros2::PoseWithCovarianceStamped>> amcl_pose;  // on a known map
   std::optional<Writer<ros2::LaserScan>> scan;
 };
 
-LivePublisher::LivePublisher(std::shared_ptr<LiveLink> link, const OccupancyOptions& map,
+LivePublisher::LivePublisher(std::shared_ptr<LiveLink> link, const OccupancyOptions& map, bool known_map,
                              std::function<void(const Pose2&, const Eigen::Matrix3d&)> set_pose)
     : link_(std::move(link)),
       set_pose_(std::move(set_pose)),
@@ -54,6 +55,10 @@ LivePublisher::LivePublisher(std::shared_ptr<LiveLink> link, const OccupancyOpti
       map_to_odom_({link_->map_frame, link_->odom_frame, link_->base_frame}),
       first_map_(std::make_unique<ros2::FirstMap>(map)) {
   // As drivers do it; the reader of the same topic asks for no more.
+  if (known_map) {
+    const ros2::Endpoint& endpoint = ros2::endpoint(Role::kLocalization, Direction::kOut, "amcl_pose");
+    topics_->amcl_pose.emplace(link_->participant.writer<ros2::PoseWithCovarianceStamped>(endpoint.name, endpoint.qos));
+  }
   if (!link_->scans_from_ros)
     topics_->scan.emplace(link_->participant.writer<ros2::LaserScan>("scan", {false, false, 10}));
 }
@@ -62,6 +67,7 @@ LivePublisher::~LivePublisher() = default;
 
 void LivePublisher::take(const live::LiveUpdate& live) {
   ++scans_;
+  if (live.located) first_map_.reset();  // the map is there
   if (first_map_) first_map_->add(*live.measurement, live.update);
   if (topics_->scan) publish_scan(*live.measurement);
   publish_frames(live);
@@ -91,7 +97,7 @@ void LivePublisher::publish_scan(const RangeMeasurement& measurement) {
 
 void LivePublisher::publish_frames(const live::LiveUpdate& live) {
   const ScanUpdate& update = live.update;
-  const bool tracked = is_tracked(update.status);
+  const bool tracked = live.has_pose();
   const bool own = !live.measurement->T_odom_base;
   std::string base;
   {
@@ -108,8 +114,10 @@ void LivePublisher::publish_frames(const live::LiveUpdate& live) {
   if (const auto transform = map_to_odom_.transform(kAhead_s)) message.transforms.push_back(*transform);
   if (!message.transforms.empty()) topics_->tf.write(message);
   if (tracked && !update.repeated) {
-    topics_->pose.write(ros2::to_pose_message(update.stamp, link_->map_frame, update.T_map_base(),
-                                              update.map_covariance.value_or(update.odom_covariance)));
+    const auto pose = ros2::to_pose_message(update.stamp, link_->map_frame, update.T_map_base(),
+                                            update.map_covariance.value_or(update.odom_covariance));
+    topics_->pose.write(pose);
+    if (topics_->amcl_pose) topics_->amcl_pose->write(pose);
   }
 }
 
@@ -118,7 +126,7 @@ void LivePublisher::publish_map(const live::LiveUpdate& live) {
   if (!ros2::due(last_map_, stamp, kMapPeriod_s) || drawing_now_->load()) return;
   const std::vector<MapKeyframe> keyframes = live.map->keyframes();
   std::function<TrinaryMap()> draw;
-  if (!keyframes.empty()) {
+  if (!keyframes.empty() || live.located) {
     first_map_.reset();
     if (last_version_ == live.map->version() && last_map_) return;
     last_version_ = live.map->version();

@@ -16,8 +16,9 @@ namespace phasescan::dds {
 
 class LivePublisher {
  public:
+  /// @param known_map  poses go to amcl_pose too, as of a node that localises
   /// @param set_pose  a pose that somebody published on initialpose, by the thread of `take`
-  LivePublisher(std::shared_ptr<LiveLink> link, const OccupancyOptions& map,
+  LivePublisher(std::shared_ptr<LiveLink> link, const OccupancyOptions& map, bool known_map,
                 std::function<void(const Pose2&, const Eigen::Matrix3d&)> set_pose);
   ~LivePublisher();
 

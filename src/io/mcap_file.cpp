@@ -5,6 +5,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "io/mcap_records.hpp"
 #include "io/ros_encode.hpp"
@@ -24,6 +25,11 @@ std::string_view as_text(const std::vector<std::uint8_t>& bytes) {
 
 std::uint32_t checksum(const std::vector<std::uint8_t>& bytes) {
   return static_cast<std::uint32_t>(crc32_z(0, bytes.data(), bytes.size()));
+}
+
+std::string folder_of(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
 }
 
 void put_schema(ByteWriter& out, const std::string& type, std::uint16_t id) {
@@ -62,11 +68,11 @@ void put_chunk_index(ByteWriter& out, const McapFile::ChunkIndex& chunk) {
 
 }  // namespace
 
-McapFile::McapFile(const std::string& path) : whole_(path) {
+McapFile::McapFile(const std::string& path) : whole_(path), chunk_indexes_("") {
   begin();
 }
 
-McapFile::McapFile(GrowingFile file) : growing_(std::move(file)) {
+McapFile::McapFile(GrowingFile file) : growing_(std::move(file)), chunk_indexes_(folder_of(growing_->path())) {
   begin();
 }
 
@@ -157,7 +163,10 @@ void McapFile::finish_chunk() {
   }
   entry.message_index_length = out.size() - entry.length;
   write(out);
-  chunks_.push_back(std::move(entry));
+  ByteWriter record;
+  put_chunk_index(record, entry);
+  chunk_indexes_.add(record.bytes());
+  ++chunks_;
   chunk_.clear();
   index_.clear();
   start_ = count_ == 0 ? chunk_start_ : std::min(start_, chunk_start_);
@@ -173,7 +182,7 @@ void McapFile::put_statistics(ByteWriter& out) const {
     record.put(static_cast<std::uint32_t>(channels_.size()));
     record.put(std::uint32_t{0});  // attachments
     record.put(std::uint32_t{0});  // metadata
-    record.put(static_cast<std::uint32_t>(chunks_.size()));
+    record.put(chunks_);
     record.put(start_);
     record.put(end_);
     record.put(static_cast<std::uint32_t>(channels_.size() * 10));
@@ -191,43 +200,59 @@ std::vector<const McapFile::Channel*> McapFile::in_order() const {
   return out;
 }
 
+/// The checksum covers the summary and the footer up to itself.
+void McapFile::write_summary() {
+  ByteWriter offsets;
+  const std::uint64_t begin = position_;
+  uLong sum = crc32_z(0, nullptr, 0);
+  const auto put = [&](const ByteWriter& bytes) {
+    sum = crc32_z(sum, bytes.bytes().data(), bytes.size());
+    write(bytes);
+  };
+  const auto group = [&](Op op, const auto& put_all) {
+    const std::uint64_t before = position_;
+    put_all();
+    if (position_ == before) return;
+    mcap::put_record(offsets, Op::kSummaryOffset, [&](ByteWriter& record) {
+      record.put(static_cast<std::uint8_t>(op));
+      record.put(before);
+      record.put(position_ - before);
+    });
+  };
+  const auto put_made = [&](const auto& make) {
+    ByteWriter out;
+    make(out);
+    put(out);
+  };
+  group(Op::kSchema, [&] {
+    for (const auto& [type, id] : schemas_)
+      put_made([&, &type = type, &id = id](ByteWriter& out) { put_schema(out, type, id); });
+  });
+  group(Op::kChannel, [&] {
+    for (const Channel* channel : in_order()) put_made([&](ByteWriter& out) { put_channel(out, *channel); });
+  });
+  group(Op::kStatistics, [&] { put_made([&](ByteWriter& out) { put_statistics(out); }); });
+  group(Op::kChunkIndex,
+        [&] { chunk_indexes_.read([&](Bytes piece) { put_made([&](ByteWriter& out) { out.raw(piece); }); }); });
+  const std::uint64_t offsets_start = position_;
+  put(offsets);
+  ByteWriter footer;
+  footer.put(static_cast<std::uint8_t>(Op::kFooter));
+  footer.put(std::uint64_t{8 + 8 + 4});
+  footer.put(begin);
+  footer.put(offsets_start);
+  sum = crc32_z(sum, footer.bytes().data(), footer.size());
+  footer.put(static_cast<std::uint32_t>(sum));
+  footer.raw(mcap::kMagic);
+  write(footer);
+}
+
 void McapFile::finish() {
   finish_chunk();
   ByteWriter data_end;
   mcap::put_record(data_end, Op::kDataEnd, [](ByteWriter& record) { record.put(std::uint32_t{0}); });
   write(data_end);
-  ByteWriter out;
-  ByteWriter offsets;
-  const auto group = [&](Op op, auto put_all) {
-    const std::size_t before = out.size();
-    put_all();
-    if (out.size() == before) return;
-    mcap::put_record(offsets, Op::kSummaryOffset, [&](ByteWriter& record) {
-      record.put(static_cast<std::uint8_t>(op));
-      record.put(position_ + before);
-      record.put(std::uint64_t{out.size() - before});
-    });
-  };
-  group(Op::kSchema, [&] {
-    for (const auto& [type, id] : schemas_) put_schema(out, type, id);
-  });
-  group(Op::kChannel, [&] {
-    for (const Channel* channel : in_order()) put_channel(out, *channel);
-  });
-  group(Op::kStatistics, [&] { put_statistics(out); });
-  group(Op::kChunkIndex, [&] {
-    for (const ChunkIndex& entry : chunks_) put_chunk_index(out, entry);
-  });
-  const std::uint64_t offsets_start = position_ + out.size();
-  out.raw(Bytes(offsets.bytes()));
-  // The checksum covers the summary and the footer up to itself.
-  out.put(static_cast<std::uint8_t>(Op::kFooter));
-  out.put(std::uint64_t{8 + 8 + 4});
-  out.put(position_);
-  out.put(offsets_start);
-  out.put(checksum(out.bytes()));
-  out.raw(mcap::kMagic);
-  write(out);
+  write_summary();
   if (growing_) {
     growing_->close();
   } else {

@@ -10,12 +10,14 @@
 
 #include "io/bytes.hpp"
 #include "io/growing_file.hpp"
+#include "io/spilled_bytes.hpp"
 #include "phasescan/core/time.hpp"
 #include "io/file.hpp"
 
 namespace phasescan {
 
-/// Holds one chunk in memory, and a few numbers of each chunk that was written.
+/// Holds one chunk in memory. What the index at the end says of each chunk waits on the disk where the file grows for
+/// hours, else in memory.
 class McapFile {
  public:
   /// The file appears whole with `finish`, or not at all. @throws as AtomicFile.
@@ -48,6 +50,7 @@ class McapFile {
   void write(const ByteWriter& bytes);
   Channel& channel(const std::string& topic, const std::string& type);
   void finish_chunk();
+  void write_summary();
   void put_statistics(ByteWriter& out) const;
   std::vector<const Channel*> in_order() const;
 
@@ -60,7 +63,8 @@ class McapFile {
   std::vector<std::uint8_t> packed_;
   std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> index_;
   std::uint64_t chunk_start_ = 0, chunk_end_ = 0, chunk_messages_ = 0;
-  std::vector<ChunkIndex> chunks_;
+  SpilledBytes chunk_indexes_;  ///< records
+  std::uint32_t chunks_ = 0;
   std::uint64_t start_ = 0, end_ = 0, count_ = 0;
 };
 

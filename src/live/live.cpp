@@ -8,6 +8,7 @@
 
 #include "live/bounded_queue.hpp"
 #include "live/clocks.hpp"
+#include "live/line_damage.hpp"
 #include "live/live_tasks.hpp"
 
 namespace phasescan::live {
@@ -69,6 +70,7 @@ class SinkThread {
 void track(BoundedQueue<LiveScan>& scans, LiveEngine& engine, LiveTasks* tasks,
            const std::vector<std::unique_ptr<SinkThread>>& sinks, const std::function<void()>& between,
            LiveSummary& summary) {
+  LineDamage damage;
   while (!scans.ended()) {
     if (tasks != nullptr && summary.scans > 0) LiveRunAccess::run(*tasks);
     auto scan = scans.pop_within(kTaskWait);
@@ -76,6 +78,8 @@ void track(BoundedQueue<LiveScan>& scans, LiveEngine& engine, LiveTasks* tasks,
     if (scan->restarts) engine.restart();
     auto update = std::make_shared<LiveUpdate>(
         engine.add(std::make_shared<const RangeMeasurement>(std::move(scan->measurement))));
+    damage.add(scan->lost);
+    damage.judge(*update);
     update->latency_ms = 1e-6 * static_cast<double>(steady_ns() - scan->arrived_ns);
     update->restarted = scan->restarts;
     update->dropped = scans.dropped();

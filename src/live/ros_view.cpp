@@ -70,10 +70,12 @@ std::vector<RosMessage> RosView::of(const LiveUpdate& live) {
   }
   out.push_back(
       message_of(laser.topic, kLaserScan, stamp, ros::from_scan(even_scan(measurement.scan), laser.frame, 0.0)));
-  const std::vector<ros::Transform> frames{{{stamp, "map"}, "odom", ros::spatial(update.T_map_odom)},
-                                           {{stamp, "odom"}, "base_link", ros::spatial(update.T_odom_base)}};
+  std::vector<ros::Transform> frames{{{stamp, "odom"}, "base_link", ros::spatial(update.T_odom_base)}};
+  // A map that grows begins where the robot stands; in one that is known nobody knows until the robot is found.
+  if (!live.located || live.has_pose())
+    frames.insert(frames.begin(), {{stamp, "map"}, "odom", ros::spatial(update.T_map_odom)});
   out.push_back(message_of("/tf", kTransforms, stamp, frames));
-  if (is_tracked(update.status)) {
+  if (live.has_pose()) {
     const Eigen::Matrix3d& covariance = update.map_covariance ? *update.map_covariance : update.odom_covariance;
     out.push_back(
         message_of("/pose", kPose, stamp, ros::PoseEstimate{{stamp, "map"}, update.T_map_base(), covariance}));
@@ -103,7 +105,7 @@ RosMessage path_message(const LiveUpdate& live) {
   std::vector<ros::PathPoint> points;
   points.reserve(keyframes.size() / step + 2);
   for (std::size_t i = 0; i < keyframes.size(); i += step) points.push_back({stamp, keyframes[i].T_map_base});
-  points.push_back({stamp, live.update.T_map_base()});
+  if (live.has_pose()) points.push_back({stamp, live.update.T_map_base()});
   return message_of("/path", kPath, stamp, ros::Path{{stamp, "map"}, points});
 }
 

@@ -178,14 +178,16 @@ class RplidarDecoder final : public StreamDecoder {
     const std::uint16_t word = u16_at(packet, mode_ == kUltraDense ? 8 : 2);
     const double start = deg_to_rad((word & 0x7FFF) / 64.0);
     if (start >= 2.0 * kTwoPi) return false;
-    double capsules = 1.0;
     if (word & 0x8000) {  // begins anew: the one before had no end
       before_.clear();
       restarts_ = true;
     }
     const double on = turned_on(start_, start);
-    const bool whole = !before_.empty() && follows(on, capsules);
-    const Stamp sent = clock_.at(time.first, capsules * static_cast<double>(samples) * sample_s_);
+    const double capsule_s = static_cast<double>(samples) * sample_s_;
+    const double capsules = capsules_since(on, stamp_to_seconds(time.first - observed_) / capsule_s);
+    observed_ = time.first;
+    const bool whole = !before_.empty() && follows(on);
+    const Stamp sent = clock_.at(time.first, capsules * capsule_s);
     if (whole) {
       read_capsule(mode_, before_, packet, samples_);
       for (std::size_t k = 0; k < samples; ++k) {
@@ -204,9 +206,17 @@ class RplidarDecoder final : public StreamDecoder {
     return true;
   }
 
+  /// How many capsules on from the last right one this one is, by the angle that the head turned; by the time that
+  /// passed only how many whole turns that was. A lost capsule is no late one: its time has passed.
+  double capsules_since(double on, double seen) const {
+    if (expected_on_ <= 0.0) return 1.0;
+    const double turn = kTwoPi / expected_on_, by_angle = on / expected_on_;
+    return std::max(1.0, std::round(by_angle + turn * std::max(0.0, std::round((seen - by_angle) / turn))));
+  }
+
   /// Whether the next capsule, `on` further, is the one that followed. There is no counter: where one is lost, that
   /// before it would be stretched over the angle of both. What is lost never makes the way shorter.
-  bool follows(double on, double& capsules) {
+  bool follows(double on) {
     constexpr int kOddOnes = 8;  // so many in a row: the speed is another now
     if (on <= 0.0) return false;
     if (expected_on_ <= 0.0) {
@@ -214,7 +224,6 @@ class RplidarDecoder final : public StreamDecoder {
       return false;
     }
     const double ratio = on / expected_on_;
-    capsules = std::max(1.0, std::round(ratio));
     if (ratio < 1.5) {
       expected_on_ = ratio < 0.6 ? on : expected_on_ + 0.2 * (on - expected_on_);
       odd_ = 0;
@@ -235,7 +244,7 @@ class RplidarDecoder final : public StreamDecoder {
   double node_sample_s_ = 1.0 / 1970.0;  ///< standard scans of the A1, where it does not say
   std::vector<std::uint8_t> before_;     ///< the last capsule, and where and when it began
   double start_ = 0.0;
-  Stamp sent_ = 0;
+  Stamp sent_ = 0, observed_ = 0;
   double expected_on_ = 0.0, last_sweep_ = 0.0;
   int odd_ = 0;
   std::vector<CapsuleSample> samples_;

@@ -9,6 +9,7 @@
 #include "io/file.hpp"
 #include "live/clocks.hpp"
 #include "live/find_sensor.hpp"
+#include "live/line_damage.hpp"
 #include "live/port.hpp"
 #include "live/raw_file.hpp"
 #include "live/session.hpp"
@@ -89,6 +90,7 @@ class SensorSource final : public LiveSource {
     std::array<std::uint8_t, 4096> bytes;
     Decoded decoded;
     std::vector<Scan> scans;
+    std::optional<Stamp> last;
     int attempt = 0;
     StreamCounts before;
     Stamp since = system_ns();
@@ -117,7 +119,9 @@ class SensorSource final : public LiveSource {
       for (Scan& scan : scans) {
         since = now;
         told_silence = false;
-        hand({{std::move(scan), std::string(model_.name)}, arrived});
+        const double lost = lost_share(scan, last);
+        last = scan.stamp;
+        hand({{std::move(scan), std::string(model_.name)}, arrived, false, lost});
       }
       scans.clear();
       if (const std::string trouble = session->trouble(); trouble != told_trouble) {

@@ -1,10 +1,10 @@
 // SLAM behind the door of `live`: what happens beside the scans is handed out with the scan that brought it.
-#include <algorithm>
 #include <optional>
-#include <set>
 #include <stdexcept>
 
+#include "phasescan/core/time.hpp"
 #include "phasescan/live/live.hpp"
+#include "slam/map_view.hpp"
 
 namespace phasescan::live {
 namespace {
@@ -13,6 +13,7 @@ class SlamEngine final : public LiveEngine, private SlamObserver {
  public:
   SlamEngine(Slam& slam, std::function<Slam()> renew) : slam_(slam), renew_(std::move(renew)) {
     slam_.set_observer(this);
+    if (const auto snapshot = behind(*slam_.map())) session_ = snapshot->last_session;
   }
   ~SlamEngine() override { slam_.set_observer(nullptr); }
 
@@ -21,6 +22,7 @@ class SlamEngine final : public LiveEngine, private SlamObserver {
     out.update = slam_.add(*measurement);
     out.measurement = std::move(measurement);
     out.confidence = is_tracked(out.update.status) ? out.update.diagnostics.overlap : 0.0;
+    note_break(out.update);
     if (!map_ || map_->version() != out.update.map_version) {
       map_ = slam_.map();
       if (unplaced_ && is_placed()) unplaced_.reset();
@@ -50,6 +52,10 @@ class SlamEngine final : public LiveEngine, private SlamObserver {
     slam_.set_observer(this);
     map_.reset();
     unplaced_.reset();
+    session_ = 0;
+    session_scans_ = 0;
+    keyframes_ = 0;
+    tracked_.reset();
     loops_.clear();
     warnings_.clear();
   }
@@ -60,38 +66,65 @@ class SlamEngine final : public LiveEngine, private SlamObserver {
     warnings_.push_back(kind + ": " + what);
   }
 
-  /// A drive that nothing ties to the map before it.
+  /// A way that nothing ties to the map before it.
   struct Unplaced {
-    ScanId since = 0;
-    std::optional<Pose2> told;  // T_map_odom, as a person says
+    enum class Why { kAnew, kTold, kBroke } why = Why::kAnew;
+    ScanId since = 0;               // its first scan,
+    KeyframeId since_keyframe = 0;  // and keyframe
+    Pose2 told;                     // T_map_odom, as a person says
+    bool long_broke = false;        // so long unseen that the pose may be anywhere
   };
 
   void begin_anew(const std::optional<Pose2>& told) {
     if (slam_.scans() == 0) return;
-    unplaced_ = {static_cast<ScanId>(slam_.scans()), told};
+    if (slam_.scans() > session_scans_) ++session_;
+    session_scans_ = slam_.scans();
+    unplaced_ = {told ? Unplaced::Why::kTold : Unplaced::Why::kAnew, static_cast<ScanId>(slam_.scans()), keyframes_,
+                 told.value_or(Pose2{})};
     slam_.begin_session();
   }
 
-  /// Whether a keyframe of the drive hangs together with one from before it, or there was none.
-  bool is_placed() const {
-    std::set<std::int32_t> before;
-    const std::vector<MapKeyframe> keyframes = map_->keyframes();
-    for (const MapKeyframe& keyframe : keyframes)
-      if (keyframe.scan < unplaced_->since) before.insert(keyframe.piece);
-    return std::any_of(keyframes.begin(), keyframes.end(), [&](const MapKeyframe& keyframe) {
-      return keyframe.scan >= unplaced_->since && (before.empty() || before.count(keyframe.piece) > 0);
-    });
+  /// Where tracking broke and began again, no more than a prediction ties the pose to the map.
+  void note_break(const ScanUpdate& update) {
+    constexpr double kLong_s = 1.0;
+    const bool broke = update.diagnostics.new_segment && keyframes_ > 0 && tracked_;
+    if (broke) {
+      if (!unplaced_) unplaced_ = {Unplaced::Why::kBroke, update.scan, 0, {}, false};
+      unplaced_->since_keyframe = update.keyframe.value_or(keyframes_);
+      unplaced_->long_broke |= stamp_to_seconds(update.stamp - *tracked_) > kLong_s;
+    }
+    if (update.keyframe) keyframes_ = *update.keyframe + 1;
+    if (is_tracked(update.status)) tracked_ = update.stamp;
   }
 
-  /// Its poses are those of the map only as far as somebody told where it began.
+  /// Whether the newest keyframe of the way hangs together with the map: what was there before a drive that begins
+  /// anew, what is drawn where tracking broke.
+  bool is_placed() const {
+    const auto snapshot = behind(*map_);
+    if (!snapshot || snapshot->last_session < session_ ||
+        static_cast<KeyframeId>(snapshot->submitted) <= unplaced_->since_keyframe)
+      return false;
+    if (unplaced_->why == Unplaced::Why::kBroke) return snapshot->last_piece == snapshot->pieces.largest;
+    bool any_before = false;
+    for (std::size_t node = 0; node < snapshot->nodes.size(); ++node) {
+      if (snapshot->nodes[node].id >= unplaced_->since) continue;
+      any_before = true;
+      if (snapshot->pieces.of_node[node] == snapshot->last_piece) return true;
+    }
+    return !any_before;
+  }
+
+  /// Its poses are those of the map only as far as somebody told where it began, or as a prediction goes.
   void show_unplaced(ScanUpdate& update) const {
-    constexpr double kToldM = 0.5, kToldRad = 0.2;  // how well a person points
-    update.T_map_odom = unplaced_->told.value_or(Pose2{});
+    constexpr double kToldM = 0.5, kToldRad = 0.2;  // how well a person points, and how far a short break leads
+    const bool anew = unplaced_->why == Unplaced::Why::kAnew,
+               nowhere = anew || (unplaced_->why == Unplaced::Why::kBroke && unplaced_->long_broke);
+    if (unplaced_->why != Unplaced::Why::kBroke) update.T_map_odom = unplaced_->told;
     update.map_covariance = update.odom_covariance;
-    const double metres = unplaced_->told ? kToldM : kNowhereM, radians = unplaced_->told ? kToldRad : kPi;
+    const double metres = nowhere ? kNowhereM : kToldM, radians = nowhere ? kPi : kToldRad;
     update.map_covariance->diagonal() += Eigen::Vector3d(metres * metres, metres * metres, radians * radians);
     if (!is_tracked(update.status)) return;
-    update.status = unplaced_->told ? TrackingStatus::kDegraded : TrackingStatus::kLost;
+    update.status = nowhere ? TrackingStatus::kLost : TrackingStatus::kDegraded;
   }
 
   static constexpr double kNowhereM = 1000.0;
@@ -99,6 +132,10 @@ class SlamEngine final : public LiveEngine, private SlamObserver {
   std::function<Slam()> renew_;
   std::shared_ptr<const MapSnapshot> map_;
   std::optional<Unplaced> unplaced_;
+  int session_ = 0;                // number of the drive
+  std::size_t session_scans_ = 0;  // before it
+  KeyframeId keyframes_ = 0;       // so far
+  std::optional<Stamp> tracked_;   // when it was last
   std::vector<LiveLoop> loops_;
   std::vector<std::string> warnings_;
 };

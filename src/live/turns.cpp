@@ -16,6 +16,14 @@ constexpr double kGapSteps = 1.75;
 // The start of a turn may be told a little late, as by YDLIDAR's packet that begins it; later than this it is lost.
 constexpr double kMostOverTurn = deg_to_rad(10.0);
 constexpr double kLeastTurn = kPi;
+// Of a turn: so far the time that has passed and the angle may be apart. Packets come late by less.
+constexpr double kMostApart = 0.35;
+// Directions are rounded: a beam may lie so far before the last one and still follow it.
+constexpr double kMostBack = deg_to_rad(2.0);
+// Farther on it is a jump and not the next beam.
+constexpr double kMostOn = 0.5 * kPi;
+// So many torn turns in a row: the head turns at another speed now.
+constexpr int kTornTurns = 3;
 // Directions that are even to this have no need to be told one by one.
 constexpr double kEven_rad = 1e-6;
 
@@ -26,6 +34,7 @@ void TurnAssembler::restart() {
   open_ = false;
   beams_.clear();
   swept_ = 0.0;
+  closed_.reset();
 }
 
 void TurnAssembler::add(std::span<const Beam> beams, double range_min, double range_max, std::vector<Scan>& out) {
@@ -36,10 +45,20 @@ void TurnAssembler::add(std::span<const Beam> beams, double range_min, double ra
 
 void TurnAssembler::add_one(const Beam& beam, std::vector<Scan>& out) {
   if (beam.mark == TurnMark::kRestarts) restart();
+  if (open_ && !beams_.empty() && !goes_on(beam)) {
+    ++counts_.torn;
+    restart();
+    closed_ = beam;
+  }
   if (open_ && !beams_.empty()) fill_lost(beam, out);
-  if (beam.mark == TurnMark::kStarts) {
+  // Not every sensor says where a turn starts in each packet: after a torn turn the next one starts at the head's zero.
+  const bool passes_zero = closed_ && closed_->sweep + turned_on(closed_->sweep, beam.sweep) >= kTwoPi &&
+                           turned_on(closed_->sweep, beam.sweep) < kMostOn;
+  if (closed_) closed_ = beam;
+  if (beam.mark == TurnMark::kStarts || passes_zero) {
     if (open_ && !beams_.empty()) finish(out);
     open_ = true;
+    closed_.reset();
   } else if (open_ && swept_ > kTwoPi + kMostOverTurn) {
     finish(out);
   }
@@ -52,11 +71,28 @@ void TurnAssembler::add_one(const Beam& beam, std::vector<Scan>& out) {
   }
 }
 
+/// How far the head has turned on since the last beam; NaN: the sensor does not say.
+double TurnAssembler::turned_since(const Beam& beam) const {
+  const double on = turned_on(beams_.back().sweep, beam.sweep);
+  return on > kTwoPi - kMostBack ? 0.0 : on;
+}
+
+/// Whether the head can have turned from the last beam to this one in the time between them. Where bytes were missing
+/// for longer than a turn, or a wrong packet passed its check, direction and time say different things.
+bool TurnAssembler::goes_on(const Beam& beam) {
+  const double on = turned_since(beam);
+  if (std::isnan(on) || turn_s_ <= 0.0) return true;
+  const double turns = stamp_to_seconds(beam.stamp - beams_.back().stamp) / turn_s_;
+  if (std::abs(turns - on / kTwoPi) < kMostApart) return true;
+  if (++torn_in_a_row_ >= kTornTurns) turn_s_ = 0.0;
+  return false;
+}
+
 /// Beams of lost packets, up to `beam`; those past the head's zero belong to the turn that `beam` starts.
 void TurnAssembler::fill_lost(const Beam& beam, std::vector<Scan>& out) {
   const Beam before = beams_.back();
-  const double on = turned_on(before.sweep, beam.sweep);
-  if (std::isnan(on)) return;
+  const double on = turned_since(beam);
+  if (std::isnan(on) || on <= 0.0) return;
   const double sense = wrap_angle(beam.angle - before.angle) < 0.0 ? -1.0 : 1.0;
   if (step_ <= 0.0 || on <= kGapSteps * step_) {
     step_ += (step_ <= 0.0 ? 1.0 : 0.05) * (on - step_);
@@ -88,6 +124,8 @@ void TurnAssembler::finish(std::vector<Scan>& out) {
   if (whole && beams_.size() >= 2) {
     out.push_back(scan_of_turn());
     ++counts_.turns;
+    torn_in_a_row_ = 0;
+    if (swept_ >= kLeastTurn) turn_s_ = kTwoPi / swept_ * stamp_to_seconds(beams_.back().stamp - beams_.front().stamp);
   } else {
     ++counts_.partial;
   }

@@ -166,6 +166,7 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
   update.scan = state.scans++;
   const OdometryUpdate odom = odometry.add(measurement);
   update.twist = odom.twist;
+  update.T_odom_base = odom.T_odom_base;
   const QueryScan query = prepare_query(measurement, odometry_options.deskew ? odom.twist : Twist2{},
                                         options.view_range_m, true, query_work);
   if (!query.usable()) {

@@ -111,6 +111,16 @@ std::string loops_frame(std::span<const std::pair<std::int32_t, std::int32_t>> l
   return out;
 }
 
+std::string hypotheses_frame(const live::LiveUpdate& live) {
+  std::string out;
+  put_header(out, FrameKind::kHypotheses);
+  if (!live.located || live.located->hypotheses.size() < 2) return out;
+  for (const PoseEstimate& at : live.located->hypotheses)
+    for (const double value : {at.T_map_base.x, at.T_map_base.y, at.T_map_base.theta, at.confidence})
+      put_float(out, value);
+  return out;
+}
+
 std::optional<ViewerCommand> parse_command(std::string_view text, std::string& why) {
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   const auto what = json.is_object() ? json.find("do") : json.end();

@@ -13,7 +13,7 @@
 
 namespace phasescan::serve {
 
-enum class FrameKind : std::uint8_t { kScan = 1, kTiles = 2, kPath = 3, kLoops = 4 };
+enum class FrameKind : std::uint8_t { kScan = 1, kTiles = 2, kPath = 3, kLoops = 4, kHypotheses = 5 };
 
 /// Pose, covariance, status and the hits of a scan.
 std::string scan_frame(const live::LiveUpdate& update);
@@ -23,6 +23,8 @@ void add_tile(std::string& frame, TileIndex at, const PackedTile& tile);
 /// Nodes from `first` on; what a client has beyond that is replaced.
 std::string path_frame(std::span<const PathNode> nodes, std::size_t first);
 std::string loops_frame(std::span<const std::pair<std::int32_t, std::int32_t>> loops);
+/// Places in a known map where the robot may be, best first; none where there are not at least two.
+std::string hypotheses_frame(const live::LiveUpdate& update);
 
 /// What a page asks for: {"id": 1, "do": "set_pose", "x": .., "y": .., "theta": ..}.
 struct ViewerCommand {

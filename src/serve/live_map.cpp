@@ -4,6 +4,7 @@
 #include <climits>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/motion.hpp"
 #include "slam/map_view.hpp"
@@ -33,9 +34,9 @@ int level_of(double log_odds) {
   return 10 + std::min(5, static_cast<int>(6.0 * (p - kOccupied) / (1.0 - kOccupied)));
 }
 
-}  // namespace
-
-PackedTile pack_tile(const OccupancyGrid& grid, TileIndex at) {
+/// @param level_at  level of cell (i, k)
+template <class LevelAt>
+PackedTile pack(TileIndex at, const LevelAt& level_at) {
   PackedTile packed;
   int level = -1, run = 0;
   bool known = false;
@@ -45,8 +46,7 @@ PackedTile pack_tile(const OccupancyGrid& grid, TileIndex at) {
   };
   for (int k = at.second * kTileCells; k < (at.second + 1) * kTileCells; ++k) {
     for (int i = at.first * kTileCells; i < (at.first + 1) * kTileCells; ++i) {
-      const double log_odds = grid.log_odds(i, k);
-      const int now = log_odds != 0.0 || grid.known(i, k) ? level_of(log_odds) : 0;
+      const int now = level_at(i, k);
       known = known || now != 0;
       if (now != level || run == 16) flush();
       level = now;
@@ -55,6 +55,50 @@ PackedTile pack_tile(const OccupancyGrid& grid, TileIndex at) {
   }
   flush();
   return known ? packed : PackedTile{};
+}
+
+int level_of(CellState state) {
+  constexpr int kFree = 1, kOccupied = 15;
+  return state == CellState::kOccupied ? kOccupied : state == CellState::kFree ? kFree : 0;
+}
+
+}  // namespace
+
+PackedTile pack_tile(const OccupancyGrid& grid, TileIndex at) {
+  return pack(at, [&](int i, int k) {
+    const double log_odds = grid.log_odds(i, k);
+    return log_odds != 0.0 || grid.known(i, k) ? level_of(log_odds) : 0;
+  });
+}
+
+std::map<TileIndex, PackedTile> pack_map(const TrinaryMap& map, double resolution_m) {
+  const double width_m = map.width * map.resolution_m, height_m = map.height * map.resolution_m;
+  const double tile_m = kTileCells * resolution_m;
+  double x0 = 1e300, y0 = 1e300, x1 = -1e300, y1 = -1e300;
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(width_m, 0.0),
+                                        Eigen::Vector2d(0.0, height_m), Eigen::Vector2d(width_m, height_m)}) {
+    const Eigen::Vector2d at = map.origin * corner;
+    x0 = std::min(x0, at.x());
+    x1 = std::max(x1, at.x());
+    y0 = std::min(y0, at.y());
+    y1 = std::max(y1, at.y());
+  }
+  const Pose2 T_origin_map = map.origin.inverse();
+  const auto level_at = [&](int i, int k) {
+    const Eigen::Vector2d at =
+        T_origin_map * Eigen::Vector2d((i + 0.5) * resolution_m, (k + 0.5) * resolution_m) / map.resolution_m;
+    const int column = static_cast<int>(std::floor(at.x())), row = static_cast<int>(std::floor(at.y()));
+    const bool inside = column >= 0 && row >= 0 && column < map.width && row < map.height;
+    return inside ? level_of(map.at(column, row)) : 0;
+  };
+  std::map<TileIndex, PackedTile> tiles;
+  for (int i = static_cast<int>(std::floor(x0 / tile_m)); i * tile_m < x1; ++i) {
+    for (int k = static_cast<int>(std::floor(y0 / tile_m)); k * tile_m < y1; ++k) {
+      PackedTile packed = pack({i, k}, level_at);
+      if (!packed.empty()) tiles[{i, k}] = std::move(packed);
+    }
+  }
+  return tiles;
 }
 
 LiveMap::LiveMap(const SlamOptions& options) : options_(options), grid_(options.map) {}
@@ -91,11 +135,23 @@ bool LiveMap::stands(const BackendSnapshot& snapshot) const {
   return found + fresh_.size() >= drawn_.size();
 }
 
+/// What the graph was given is fresh no more. In bounded memory not all of it became nodes: what was drawn of the
+/// others stays until all is drawn anew.
+void LiveMap::drop_placed(const BackendSnapshot& snapshot) {
+  std::set<std::int64_t> nodes;
+  for (std::size_t node = 0; node < snapshot.nodes.size(); ++node) nodes.insert(snapshot.nodes[node].id);
+  const std::int64_t newest = nodes.empty() ? -1 : *nodes.rbegin();
+  std::erase_if(fresh_, [&](const Fresh& fresh) {
+    const bool placed = fresh.node.scan <= newest || fresh.keyframe < static_cast<KeyframeId>(snapshot.submitted);
+    if (placed && nodes.count(fresh.node.scan) == 0) drawn_.erase(fresh.node.scan);
+    return placed;
+  });
+}
+
 void LiveMap::take_snapshot(const BackendSnapshot& snapshot) {
   version_ = snapshot.version;
-  // What the graph has is fresh no more; the others stand where the graph now has the end of the way.
-  const std::int64_t newest = snapshot.nodes.size() > 0 ? snapshot.nodes[snapshot.nodes.size() - 1].id : -1;
-  std::erase_if(fresh_, [&](const Fresh& fresh) { return fresh.node.scan <= newest; });
+  drop_placed(snapshot);
+  // The others stand where the graph now has the end of the way.
   bool anew = !stands(snapshot);
   for (Fresh& fresh : fresh_) {
     const Pose2 now = snapshot.T_map_odom * fresh.T_odom_base;
@@ -137,16 +193,35 @@ void LiveMap::restart() {
   version_ = 0;
 }
 
+bool LiveMap::add_on_known_map(const live::LiveUpdate& live) {
+  // A node of the way each so far; the oldest go, so that a run of days stays small.
+  constexpr double kStepM = 0.2;
+  constexpr std::size_t kMostNodes = 4000, kOldest = 1000;
+  bool changed = live.restarted;
+  if (live.map && live.map->version() != version_) {
+    version_ = live.map->version();
+    known_ = pack_map(live.map->draw(), options_.map.resolution_m);
+    changed = true;
+  }
+  const Pose2 at = live.update.T_map_base();
+  if (!live.has_pose() || (!path_.empty() && translation_distance(path_.back().T_map_base, at) < kStepM))
+    return changed;
+  if (path_.size() >= kMostNodes) path_.erase(path_.begin(), path_.begin() + kOldest);
+  path_.push_back({at, live.update.scan});
+  return true;
+}
+
 bool LiveMap::add(const live::LiveUpdate& live) {
   bool changed = live.restarted;
   if (live.restarted) restart();
+  if (live.located) return add_on_known_map(live);
   if (live.map && live.map->version() != version_) {
     if (const auto snapshot = behind(*live.map)) take_snapshot(*snapshot);
     changed = true;
   }
   const ScanUpdate& update = live.update;
   if (!update.keyframe || !live.on_map || !is_tracked(update.status) || !live.measurement) return changed;
-  Fresh fresh{live.measurement, {update.T_map_base(), update.scan}, update.T_odom_base, update.twist};
+  Fresh fresh{live.measurement, {update.T_map_base(), update.scan}, *update.keyframe, update.T_odom_base, update.twist};
   draw_fresh(fresh);
   path_.push_back(fresh.node);
   fresh_.push_back(std::move(fresh));
@@ -174,7 +249,7 @@ void LiveMap::touch(const Scan& scan, const Pose2& T_map_laser) {
 }
 
 std::map<TileIndex, PackedTile> LiveMap::take_changed_tiles() {
-  std::map<TileIndex, PackedTile> changed;
+  std::map<TileIndex, PackedTile> changed = std::exchange(known_, {});
   for (const TileIndex& at : touched_) {
     PackedTile packed = pack_tile(grid_, at);
     PackedTile& before = seen_[at];

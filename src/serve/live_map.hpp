@@ -1,5 +1,5 @@
 /// The map as it grows, for who watches: each keyframe is drawn when it comes, and all are drawn anew where the graph
-/// has moved them.
+/// has moved them. A known map is shown as it is, with the way on it.
 #pragma once
 
 #include <cstddef>
@@ -29,6 +29,9 @@ constexpr int kTileCells = 64;
 /// @cost about 0.2 ms
 PackedTile pack_tile(const OccupancyGrid& grid, TileIndex at);
 
+/// All tiles of a map that stands, in cells of the viewer: each shows what the map has at its centre.
+std::map<TileIndex, PackedTile> pack_map(const TrinaryMap& map, double resolution_m);
+
 /// A keyframe of the graph, or one that is on its way there.
 struct PathNode {
   Pose2 T_map_base;  ///< NaN for one of a piece that is not drawn: where it lies nobody knows
@@ -56,6 +59,7 @@ class LiveMap {
   struct Fresh {
     std::shared_ptr<const RangeMeasurement> measurement;
     PathNode node;
+    KeyframeId keyframe = 0;
     Pose2 T_odom_base;
     Twist2 twist;
   };
@@ -65,7 +69,9 @@ class LiveMap {
   void draw_node(const BackendSnapshot& snapshot, std::size_t node);
   void draw_fresh(const Fresh& fresh);
   bool stands(const BackendSnapshot& snapshot) const;
+  void drop_placed(const BackendSnapshot& snapshot);
   void touch(const Scan& scan, const Pose2& T_map_laser);
+  bool add_on_known_map(const live::LiveUpdate& update);
 
   SlamOptions options_;
   OccupancyGrid grid_;
@@ -74,8 +80,9 @@ class LiveMap {
   std::vector<PathNode> path_;
   std::vector<std::pair<std::int32_t, std::int32_t>> loops_;
   std::uint64_t version_ = 0, redrawn_ = 0;
-  std::set<TileIndex> touched_;           // by rays, since tiles were taken last
-  std::map<TileIndex, PackedTile> seen_;  // as they were taken last
+  std::set<TileIndex> touched_;            // by rays, since tiles were taken last
+  std::map<TileIndex, PackedTile> seen_;   // as they were taken last
+  std::map<TileIndex, PackedTile> known_;  // of a known map, since tiles were taken last
 };
 
 }  // namespace phasescan::serve

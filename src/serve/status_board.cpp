@@ -41,10 +41,12 @@ void StatusBoard::take(const live::LiveUpdate& live) {
     status_.path_m = 0.0;
     status_.keyframes = status_.loops = 0;
   }
-  if (status_.scans > 0 && is_tracked(update.status)) {
+  if (status_.scans > 0 && live.has_pose()) {
     const double step = translation_distance(status_.T_map_base, pose);
     if (step < 1.0) status_.path_m += step;  // farther is a correction by the map
   }
+  status_.known_map = live.located.has_value();
+  status_.hypotheses = live.located ? live.located->hypotheses.size() : 0;
   last_ns_ = now;
   ++status_.scans;
   status_.dropped = live.dropped;
@@ -114,6 +116,8 @@ std::string to_json(const LiveStatus& status, const ControlState& control) {
   json["keyframes"] = status.keyframes;
   json["loops"] = status.loops;
   json["map_version"] = status.map_version;
+  json["known_map"] = status.known_map;
+  json["hypotheses"] = status.hypotheses;
   json["can"] = {{"set_pose", control.can_set_pose}, {"save", control.can_save}, {"record", control.can_record}};
   json["recording"] = control.recording;
   if (control.replay)

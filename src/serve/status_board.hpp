@@ -28,6 +28,8 @@ struct LiveStatus {
   std::int64_t keyframes = 0;
   std::int64_t loops = 0;  ///< in the graph now
   std::uint64_t map_version = 0;
+  bool known_map = false;                               ///< the map was there before the run, and does not grow
+  std::size_t hypotheses = 0;                           ///< places in a known map where the robot may be
   std::deque<std::pair<double, std::string>> messages;  ///< the last ones: uptime and text
 };
 

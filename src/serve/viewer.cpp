@@ -58,11 +58,17 @@ void Viewer::take(const live::LiveUpdate& update) {
   const bool map_changed = map_->add(update);
   std::map<TileIndex, PackedTile> tiles;
   if (map_changed) tiles = map_->take_changed_tiles();
+  SharedBytes hypotheses = update.located ? share(hypotheses_frame(update)) : nullptr;
   const std::lock_guard lock(mutex_);
   if (map_changed) take_map(std::move(tiles));
+  const bool others = hypotheses && (!hypotheses_ || *hypotheses != *hypotheses_);
   last_scan_ = scan;
+  hypotheses_ = std::move(hypotheses);
   for (Client& client : clients_) {
-    if (client.peer->queued_bytes() < kBusyBytes) client.peer->send(scan, true);
+    if (client.peer->queued_bytes() < kBusyBytes) {
+      client.peer->send(scan, true);
+      if (others) client.peer->send(hypotheses_, true);
+    }
     if (map_changed) feed(client);
   }
 }
@@ -124,6 +130,7 @@ void Viewer::on_open(const std::shared_ptr<Peer>& peer, const std::string&) {
   peer->send(share(status_()), false);
   const std::lock_guard lock(mutex_);
   if (last_scan_) peer->send(last_scan_, true);
+  if (hypotheses_) peer->send(hypotheses_, true);
   clients_.push_back({peer});
 }
 

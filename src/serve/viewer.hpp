@@ -73,7 +73,7 @@ class Viewer final : public live::LiveSink, public WebSocketEndpoint {
   std::uint64_t path_generation_ = 1;
   SharedBytes loops_;
   std::uint64_t loops_version_ = 1;
-  SharedBytes last_scan_;
+  SharedBytes last_scan_, hypotheses_;
   std::string png_;
   std::uint64_t png_change_ = 0;
 };

@@ -56,6 +56,8 @@ struct BackendSnapshot {
   std::vector<SnapshotLoop> loops;
   MapPieces pieces;
   std::size_t submitted = 0;  ///< keyframes that were submitted; in bounded memory not all became nodes
+  int last_piece = 0;         ///< of the keyframe submitted last
+  int last_session = 0;       ///< the same
   Pose2 T_map_odom;           ///< by the keyframe submitted last
   /// Of (x, y, theta) of the keyframe submitted last, in the frame of the map, relative to the first node of its piece.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();

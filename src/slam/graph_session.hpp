@@ -117,7 +117,9 @@ class GraphSession {
   const std::vector<Pose2>& poses() const { return state_.graph.poses(); }
   const std::vector<SubmittedKeyframe>& submitted() const { return state_.submitted; }
   double travelled_m(int node) const { return state_.travelled_m[static_cast<std::size_t>(node)]; }
-  /// Whether a keyframe is of another drive than the one submitted last.
+  /// The drive of the keyframe submitted last.
+  std::int32_t last_session() const { return state_.last_session; }
+  /// Whether a keyframe is of another drive than that.
   bool begins_session(const Keyframe& keyframe) const {
     return !state_.submitted.empty() && keyframe.session != state_.last_session;
   }

@@ -30,7 +30,11 @@ void SnapshotPublisher::publish(std::uint64_t version, const GraphSession& sessi
   snapshot->loops = loops_;
   snapshot->pieces = connectivity.pieces();
   snapshot->submitted = session.submitted().size();
-  if (snapshot->submitted > 0) snapshot->T_map_odom = session.T_map_odom();
+  if (snapshot->submitted > 0) {
+    snapshot->T_map_odom = session.T_map_odom();
+    snapshot->last_session = session.last_session();
+    snapshot->last_piece = snapshot->pieces.of_node[static_cast<std::size_t>(session.submitted().back().node)];
+  }
   snapshot->covariance = covariance;
   const std::lock_guard lock(mutex_);
   published_ = std::move(snapshot);

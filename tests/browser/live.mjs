@@ -1,7 +1,7 @@
-// Watches a run in Chromium: the map grows, the robot's pose is dragged, map and state are saved, a log is moved through, and
-// the page finds the server again. Usage: node live.mjs PHASESCAN [FOLDER for screenshots]
+// Watches a run in Chromium: the map grows, the robot's pose is dragged, map, state and a recording are saved, a log is moved
+// through, the page finds the server again; on a known map the robot is found, lost, and told where it is. Usage: node live.mjs PHASESCAN [FOLDER for screenshots]
 import { execFileSync, spawn } from "node:child_process";
-import { existsSync, mkdtempSync, readdirSync, rmSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { check, open, page } from "./browser.mjs";
@@ -87,6 +87,17 @@ async function demo() {
   await at.click("#save");
   await at.waitForFunction(() => document.querySelector("#toasts .bad"), { timeout: 10000 });
   check("no name leads out of the folder", readdirSync(folder).every((f) => f.startsWith("my-flat.1")));
+
+  // A recording.
+  await at.$eval("#name", (e) => { e.value = "drive-1"; });
+  await at.click("#record");
+  await at.waitForFunction(() => document.getElementById("record-text").textContent === "Stop recording", { timeout: 10000 });
+  check("what is recorded is said", (await at.evaluate(() => phasescan.status.recording)).startsWith("drive-1"));
+  await sleep(2000);
+  await at.click("#record");
+  await at.waitForFunction(() => document.getElementById("record-text").textContent === "Record", { timeout: 10000 });
+  const recorded = execFileSync(phasescan, ["info", join(folder, "drive-1.mcap"), "--json"], { encoding: "utf8" });
+  check("the recording holds scans", JSON.parse(recorded).scans > 5);
 
   // The pose.
   const robot = await at.evaluate(() => {
@@ -177,9 +188,52 @@ async function replay() {
   await run.stop();
 }
 
+/// A drive about a known flat, then about another one that is on no map: as if somebody had carried the robot away.
+async function lost() {
+  const simulate = (world, seconds, name) => {
+    execFileSync(phasescan, ["simulate", "--world", world, "--sensor", "rplidar-a1", "--duration", String(seconds), "--out", join(folder, name)], { stdio: ["ignore", "ignore", "inherit"] });
+    return readFileSync(join(folder, name), "utf8").trim().split("\n").map((line) => JSON.parse(line));
+  };
+  const home = simulate("flat:7", 40, "home.jsonl");
+  execFileSync(phasescan, ["slam", join(folder, "home.jsonl"), "--out", join(folder, "home")], { stdio: ["ignore", "ignore", "inherit"] });
+  const away = simulate("office:3", 60, "away.jsonl"), kept = home.slice(0, 60), last = kept[kept.length - 1].stamp;
+  const lines = [...kept, ...away.map((scan) => ({ ...scan, stamp: (scan.stamp ?? 0) + last + 0.2 }))];
+  writeFileSync(join(folder, "carried.jsonl"), lines.map((scan) => JSON.stringify(scan)).join("\n") + "\n");
+  const run = await live("--replay", join(folder, "carried.jsonl"), "--map", join(folder, "home/map.yaml"), "--serve", "127.0.0.1:0");
+  const at = await visit(run.url, 1280, 800);
+  await at.waitForFunction(() => phasescan.world.state.tiles.size > 4 && document.getElementById("state").dataset.state === "ok", { timeout: 20000 });
+  check("the map is one that is known", await at.evaluate(() => phasescan.status.known_map));
+  check("there is no run to save", await at.$eval("#save", (e) => e.disabled));
+  await shot(at, "live-known-map");
+  const before = await known(at);
+  await at.waitForFunction(() => document.getElementById("state").dataset.state === "lost", { timeout: 60000 });
+  await at.waitForFunction(() => !document.getElementById("alarm").hidden && phasescan.view.settled, { timeout: 10000 });
+  check("the word is lost", (await text(at, "state-name")) === "Lost");
+  check("it says what to do", /where it is/.test(await text(at, "alarm-text")));
+  check("the title says it", (await at.title()).startsWith("Lost"));
+  check("nothing is drawn into a known map", (await known(at)) === before);
+  await shot(at, "live-lost");
+  await at.keyboard.press("d");
+  await shot(at, "live-lost-dark");
+  await at.click("#find");
+  await at.waitForFunction(() => /whole map/.test(document.getElementById("toasts").textContent), { timeout: 10000 });
+  await at.$eval("#toasts", (e) => e.replaceChildren());
+  await at.click("#set-pose");
+  await at.mouse.move(600, 400);
+  await at.mouse.down();
+  await at.mouse.move(640, 400, { steps: 3 });
+  await at.mouse.up();
+  await at.waitForFunction(() => /near there/.test(document.getElementById("toasts").textContent), { timeout: 10000 });
+  await sleep(500);
+  check("a wrong place is not called right", (await at.evaluate(() => phasescan.world.state.scan.state)) !== "ok");
+  await at.close();
+  await run.stop();
+}
+
 try {
   await demo();
   await replay();
+  await lost();
 } finally {
   for (const child of running) child.kill("SIGKILL");
   await browser.close();

@@ -6,6 +6,7 @@
 
 #include "io/ros_encode.hpp"
 #include "phasescan/io/log.hpp"
+#include "io/mcap_file.hpp"
 #include "io/mcap_writer.hpp"
 #include "support/ros_fixture.hpp"
 #include "support/temp.hpp"
@@ -93,6 +94,26 @@ TEST(McapWriter, TheSameMessagesAreTheSameBytes) {
     writer.close();
   }
   EXPECT_EQ(test::read_bytes(folder / "a"), test::read_bytes(folder / "b"));
+}
+
+/// A file that grows keeps what its index will say on the disk: the bytes are the same.
+TEST(McapFile, AnIndexThatWaitsOnTheDiskIsTheSame) {
+  const test::TempFolder folder;
+  const std::vector<std::uint8_t> message(40, 7);
+  const auto fill = [&](McapFile& file) {
+    for (int i = 0; i < 1500; ++i) {
+      file.add(i % 3 == 0 ? "/a" : "/b", "std_msgs/msg/String", 1000 * i, message);
+      file.flush();
+    }
+    file.finish();
+  };
+  McapFile whole(folder / "whole.mcap");
+  McapFile growing{GrowingFile(folder / "growing.mcap")};
+  fill(whole);
+  fill(growing);
+  const auto bytes = test::read_bytes(folder / "whole.mcap");
+  EXPECT_GT(bytes.size(), 300000U);
+  EXPECT_EQ(bytes, test::read_bytes(folder / "growing.mcap"));
 }
 
 TEST(McapWriter, WithoutCloseThereIsNoFile) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <vector>
 
 #include "support/command.hpp"
 
@@ -49,6 +50,36 @@ TEST(Live, ALogThatIsReplayedGivesALineAScan) {
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_GE(std::count(run.out.begin(), run.out.end(), '\n'), 15);
   EXPECT_THAT(run.out, ::testing::HasSubstr("latency_ms"));
+}
+
+/// The poses are those of `localize`, up to what the order of threads may change.
+TEST(Live, OnAKnownMapTheRobotIsFound) {
+  const test::TempFolder folder;
+  const std::string log = folder / "drive.jsonl", whole = folder / "whole.jsonl";
+  ASSERT_EQ(run_command({"simulate", "--world", "flat:3", "--duration", "20", "--sensor", "ld06", "--out", whole}).code,
+            0);
+  ASSERT_EQ(run_command({"convert", whole, log, "--to", "3"}).code, 0);
+  ASSERT_EQ(run_command({"slam", whole, "--out", folder / "map", "--save", folder / "run.state"}).code, 0);
+  for (const auto& known : {std::vector<std::string>{"--map", folder / "map/map.yaml"},
+                            std::vector<std::string>{"--state", folder / "run.state"}}) {
+    const CommandResult run = run_command(
+        {"live", "--replay", log, "--json", "--serve", "off", "--record", folder / "out.mcap", known[0], known[1]});
+    EXPECT_EQ(run.code, 0) << run.err;
+    std::size_t ok = 0;
+    for (std::size_t at = run.out.find("\"ok\""); at != std::string::npos; at = run.out.find("\"ok\"", at + 1)) ++ok;
+    EXPECT_GE(ok, 20U) << run.out;
+    EXPECT_THAT(run.out, ::testing::HasSubstr("hypotheses"));
+  }
+  EXPECT_EQ(run_command({"info", folder / "out.mcap"}).code, 0);
+  EXPECT_EQ(run_command({"live", "--demo", "--map", "a.yaml", "--state", "b"}).code, 2);
+  for (const char* other : {"--save", "--resume"}) {
+    const CommandResult run = run_command({"live", "--demo", "--state", folder / "run.state", other, folder / "x"});
+    EXPECT_EQ(run.code, 2) << other;
+    EXPECT_THAT(run.err, ::testing::HasSubstr("--map"));
+  }
+  const CommandResult none = run_command({"live", "--demo", "--map", folder / "none.yaml"});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_EQ(std::count(none.err.begin(), none.err.end(), '\n'), 1) << none.err;
 }
 
 }  // namespace

@@ -200,6 +200,37 @@ TEST(SlamEngine, APoseThatIsToldIsShownAsUnsure) {
   EXPECT_THROW(drive.engine->set_pose(Pose2(std::nan(""), 0, 0)), std::invalid_argument);
 }
 
+/// Carried off into a room that was never seen, and back to another place of the map: until the map shows where that
+/// is, no pose is called ok.
+TEST(SlamEngine, WhereTrackingBrokeNoPoseIsOkUntilTheMapSaysSo) {
+  Drive drive;
+  const std::size_t half = drive.tour.size() / 2;
+  for (std::size_t i = 0; i < half; ++i) drive.add(i);
+  const std::vector<Wall> known = drive.walls;
+  const Eigen::Vector2d at = drive.tour[half].translation();
+  const auto corner = [&at](int k) {
+    const double radius = k % 2 == 0 ? 0.9 : 1.6, angle = kTwoPi * k / 14.0;
+    return Eigen::Vector2d(at + Eigen::Vector2d(radius * std::cos(angle), radius * std::sin(angle)));
+  };
+  drive.walls.clear();
+  for (int i = 0; i < 14; ++i) drive.walls.push_back({corner(i), corner(i + 1)});
+  std::size_t wrong = 0, right = 0;
+  for (std::size_t i = 0; i < 40; ++i) {
+    const LiveUpdate update = drive.add(half);
+    wrong += i >= 2 && update.update.status == TrackingStatus::kOk;
+  }
+  drive.walls = known;
+  for (std::size_t i = 0; i < drive.tour.size(); ++i) {
+    const LiveUpdate update = drive.add(i);
+    if (update.update.status != TrackingStatus::kOk) continue;
+    const Pose2 truth = drive.tour.front().inverse() * drive.tour[i];
+    ++(translation_distance(truth, update.update.T_map_base()) < 0.3 ? right : wrong);
+    EXPECT_TRUE(update.on_map);
+  }
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_GT(right, drive.tour.size() / 4);
+}
+
 TEST(SlamEngine, ARestartForgets) {
   Drive drive;
   for (std::size_t i = 0; i < 60; ++i) drive.add(i);

@@ -161,6 +161,61 @@ TEST(Scip, AWrongLineCostsItsRangesAlone) {
   }
 }
 
+/// The telegram of a SICK has no check.
+struct SickTelegrams {
+  Form form = *std::find_if(std::begin(kAll), std::end(kAll),
+                            [](const Form& f) { return f.sensor == std::string_view("sick-tim"); });
+  std::vector<WirePacket> packets = packets_of(form, 8);
+  /// Exchanges a byte of a word of telegram `n`.
+  void spoil(std::size_t n, std::size_t word, std::uint8_t with) {
+    ByteString& bytes = packets[n].bytes;
+    std::size_t at = 0;
+    for (std::size_t k = 0; k < word; ++k)
+      at = static_cast<std::size_t>(std::find(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.end(), ' ') -
+                                    bytes.begin()) +
+           1;
+    bytes.at(at) = with;
+  }
+  std::vector<Scan> scans() const {
+    const auto decoder = decoder_of(form.sensor);
+    TurnAssembler turns;
+    std::vector<Scan> out;
+    turns.add(feed(*decoder, form, packets).beams, decoder->range_min(), decoder->range_max(), out);
+    return out;
+  }
+};
+
+TEST(Sick, AWrongTimeOfItsClockMovesNoScan) {
+  constexpr std::size_t kStarted = 9, kFrequency = 16;
+  const std::vector<Scan> right = SickTelegrams().scans();
+  ASSERT_EQ(right.size(), 8U);
+  for (const std::size_t word : {kStarted, kFrequency}) {
+    SickTelegrams telegrams;
+    telegrams.spoil(4, word, word == kStarted ? '3' : 'E');  // earlier than the last one, faster
+    const std::vector<Scan> spoilt = telegrams.scans();
+    ASSERT_EQ(spoilt.size(), right.size());
+    for (std::size_t i = 0; i < right.size(); ++i) {
+      EXPECT_NEAR(stamp_to_seconds(spoilt[i].stamp - right[i].stamp), 0.0, 1e-3) << word << " " << i;
+      EXPECT_NEAR(spoilt[i].time_increment, right[i].time_increment, 1e-7) << word << " " << i;
+    }
+  }
+}
+
+TEST(Sick, AValueThatIsNoNumberCostsItsBeamAlone) {
+  constexpr std::size_t kFirstValue = 26;
+  SickTelegrams telegrams;
+  telegrams.spoil(3, kFirstValue + 100, '!');
+  const std::vector<Scan> right = SickTelegrams().scans(), spoilt = telegrams.scans();
+  ASSERT_EQ(spoilt.size(), right.size());
+  std::size_t invalid = 0;
+  for (std::size_t i = 0; i < right[3].size(); ++i) {
+    invalid += spoilt[3].states[i] == BeamState::kInvalid;
+    if (spoilt[3].states[i] == BeamState::kInvalid) continue;
+    EXPECT_EQ(spoilt[3].ranges[i], right[3].ranges[i]);
+  }
+  EXPECT_EQ(invalid, 1U);
+}
+
 TEST_P(Streams, LostBytesCostTheirPacketsAlone) {
   const Form form = GetParam();
   const auto packets = packets_of(form, 3);

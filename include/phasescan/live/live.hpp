@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "phasescan/live/decoder.hpp"
+#include "phasescan/localize/localizer.hpp"
+#include "phasescan/map/trinary_map.hpp"
 #include "phasescan/scan/scan.hpp"
 #include "phasescan/slam/slam.hpp"
 
@@ -20,6 +22,7 @@ struct LiveScan {
   RangeMeasurement measurement;
   std::int64_t arrived_ns = 0;
   bool restarts = false;  ///< a log begins again: what came before is void
+  double lost = 0.0;      ///< share of its beams that were lost on the line, 0..1
 };
 
 /// Where scans come from. Runs in a thread of its own.
@@ -49,16 +52,22 @@ struct LiveLoop {
 /// What one scan brought, and how long that took.
 struct LiveUpdate {
   ScanUpdate update;
-  double confidence = 0.0;    ///< 0..1: share of the hits that the map explains; 0 where the scan was not matched
-  double latency_ms = 0.0;    ///< from the last byte of the scan to this
-  std::uint64_t dropped = 0;  ///< scans so far that came faster than they were used
+  /// 0..1. SLAM: share of the hits that the map explains, 0 where the scan was not matched. In a known map: the
+  /// calibrated probability that the pose is within 0.1 m and 3 deg
+  double confidence = 0.0;
+  double latency_ms = 0.0;                              ///< from the last byte of the scan to this
+  std::uint64_t dropped = 0;                            ///< scans so far that came faster than they were used
   std::shared_ptr<const RangeMeasurement> measurement;  ///< the scan itself; never null
   std::shared_ptr<const MapSnapshot> map;               ///< as the last result left it; never null
   std::vector<LiveLoop> loops;                          ///< that entered or left with this scan
   std::vector<std::string> warnings;                    ///< what was odd about this scan, for people
   bool restarted = false;                               ///< all began anew with this scan
-  bool on_map =
-      true;  ///< false: of a drive that nothing ties to the map yet; its pose is what a person told, or a guess
+  /// False: of a drive that nothing ties to the map yet; its pose is what a person told, or a guess
+  bool on_map = true;
+  std::optional<LocalizationUpdate> located;  ///< in a map that is known: what was found there; empty: the map grows
+
+  /// Whether the pose is one to go by. In a known map an ambiguous one may be of another place altogether.
+  bool has_pose() const { return located ? located->has_pose() : is_tracked(update.status); }
 };
 
 /// What makes poses of scans: SLAM, or a search on a map that is known. One thread uses it.
@@ -79,6 +88,11 @@ class LiveEngine {
 /// @param slam   must outlive the engine, which is its observer
 /// @param renew  makes the run that follows a restart
 std::unique_ptr<LiveEngine> slam_engine(Slam& slam, std::function<Slam()> renew);
+
+/// Finds the robot on a map that is known, with no guess, and follows it there.
+/// @param begin  makes the localizer, now and after each restart
+/// @param drawn  the map, for those who are shown it
+std::unique_ptr<LiveEngine> localize_engine(std::function<Localizer()> begin, TrinaryMap drawn);
 
 /// Who is shown what came to pass. Each has a thread and a bounded queue of its own: what it takes long for is left out
 /// from the oldest on, and never holds back tracking.

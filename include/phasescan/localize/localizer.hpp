@@ -71,6 +71,7 @@ struct LocalizationUpdate {
   double margin = 0.0;    ///< of log-likelihood, by which the pose is ahead of the next one
   bool searched = false;  ///< the whole map was searched for this scan
   Twist2 twist;           ///< of the base [m/s, rad/s], 0 where time is unknown
+  Pose2 T_odom_base;      ///< as tracking from scan to scan has it: continuous, drifts; of a Localizer alone
 
   /// Whether the pose is one to go by: ok or degraded.
   bool has_pose() const { return T_map_base && (status == TrackingStatus::kOk || status == TrackingStatus::kDegraded); }

@@ -5,7 +5,7 @@ const wire = (() => {
   const suffix = token ? "?token=" + encodeURIComponent(token) : "";
   const waiting = new Map();
   let socket = null, next = 1, pause = 500, heard = 0;
-  const on = { hello() {}, status() {}, scan() {}, tiles() {}, path() {}, loops() {}, gone() {} };
+  const on = { hello() {}, status() {}, scan() {}, tiles() {}, path() {}, loops() {}, hypotheses() {}, gone() {} };
   const states = ["initialising", "ok", "degraded", "ambiguous", "lost"];
 
   function scan(view, buffer) {
@@ -44,6 +44,7 @@ const wire = (() => {
     if (kind === 2) tiles(view, data);
     if (kind === 3) on.path(view.getUint32(4, true), new Float32Array(data, 8));
     if (kind === 4) on.loops(new Int32Array(data, 4));
+    if (kind === 5) on.hypotheses(new Float32Array(data, 4));
   }
 
   function connect() {

@@ -5,7 +5,7 @@ const world = (() => {
     light: { free: [255, 255, 255], wall: [24, 30, 38], unknown: [223, 228, 234] },
     dark: { free: [38, 45, 53], wall: [233, 238, 243], unknown: [13, 16, 20] },
   };
-  const state = { resolution: 0.05, chunks: new Map(), tiles: new Map(), path: [], loops: [], born: new Map(), tail: [], scan: null, bounds: null };
+  const state = { resolution: 0.05, chunks: new Map(), tiles: new Map(), path: [], loops: [], hypotheses: [], born: new Map(), tail: [], scan: null, bounds: null };
   let colours = null;
 
   /// RGBA of each of the 16 levels: 0 unknown, 1..4 free, 5..9 between, 10..15 occupied.
@@ -87,7 +87,7 @@ const world = (() => {
     clear() {
       state.chunks.clear();
       state.tiles.clear();
-      Object.assign(state, { path: [], loops: [], tail: [], scan: null, bounds: null });
+      Object.assign(state, { path: [], loops: [], hypotheses: [], tail: [], scan: null, bounds: null });
       state.born.clear();
     },
     tiles(resolution, all) {
@@ -115,6 +115,11 @@ const world = (() => {
         state.loops.push({ from: numbers[i], to: numbers[i + 1], born: born.get(key) });
       }
       state.born = born;
+    },
+    /// Places where the robot may be, the best first.
+    hypotheses(numbers) {
+      state.hypotheses = [];
+      for (let i = 0; i + 3 < numbers.length; i += 4) state.hypotheses.push({ x: numbers[i], y: numbers[i + 1], theta: numbers[i + 2], confidence: numbers[i + 3] });
     },
     scan(scan) {
       state.scan = scan;

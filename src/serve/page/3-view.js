@@ -4,8 +4,8 @@ const view = (() => {
   const look = { x: 0, y: 0, scale: 40, mode: "fit" };  // metres at the centre, pixels a metre; fit, follow or free
   const goal = { x: 0, y: 0, scale: 40 };
   const ink = {
-    light: { scan: "#e5484d", way: "#2f6fed", tail: "#2f6fed", loop: "#1a9d5c", robot: "#2f6fed", edge: "#fff", sigma: "rgba(47,111,237,.20)", page: "#dfe4ea" },
-    dark: { scan: "#ff8b6b", way: "#6c9bff", tail: "#6c9bff", loop: "#3ecf8e", robot: "#6c9bff", edge: "#0d1014", sigma: "rgba(108,155,255,.25)", page: "#0d1014" },
+    light: { scan: "#e5484d", way: "#2f6fed", tail: "#2f6fed", loop: "#1a9d5c", robot: "#2f6fed", other: "#c77700", edge: "#fff", sigma: "rgba(47,111,237,.20)", page: "#dfe4ea" },
+    dark: { scan: "#ff8b6b", way: "#6c9bff", tail: "#6c9bff", loop: "#3ecf8e", robot: "#6c9bff", other: "#ffb454", edge: "#0d1014", sigma: "rgba(108,155,255,.25)", page: "#0d1014" },
   };
   let theme = "light", ratio = 1, asked = false, settled = true, aim = null, on_pose = null, on_mode = () => {}, frames = 0, last = 0;
   const pointers = new Map();
@@ -179,10 +179,15 @@ const view = (() => {
     line(world.state.tail, ink[theme].tail, 2);
     context.globalAlpha = 1;
     if (scan) {
-      draw_sigma(scan);
-      context.globalAlpha = scan.state === "lost" ? 0.4 : 1;
+      if (scan.state !== "lost") draw_sigma(scan);
+      for (const at of world.state.hypotheses.slice(1)) {
+        context.globalAlpha = 0.35 + 0.5 * Math.min(1, at.confidence);
+        arrow(at.x, at.y, at.theta, ink[theme].other, 11);
+      }
+      const faint = scan.state === "lost" || (scan.state === "ambiguous" && world.state.hypotheses.length > 1);
+      context.globalAlpha = faint ? 0.4 : 1;
       draw_scan(scan);
-      context.globalAlpha = scan.state === "lost" || document.body.dataset.line === "off" ? 0.35 : 1;
+      context.globalAlpha = faint || document.body.dataset.line === "off" ? 0.35 : 1;
       arrow(scan.x, scan.y, scan.theta, ink[theme].robot, 13);
       context.globalAlpha = 1;
     }

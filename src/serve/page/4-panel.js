@@ -16,6 +16,12 @@
     looking: ["Looking for itself", "drive on: a place that is known again joins the map"],
     offline: ["Not connected", "trying again"],
   };
+  // On a map that was there before.
+  const known_words = {
+    initialising: ["Looking for itself", "on the whole map"],
+    ambiguous: ["Ambiguous", "several places look alike: drive on"],
+    looking: ["Looking for itself", "on the whole map"],
+  };
 
   function toast(text, bad) {
     const box = document.createElement("div");
@@ -49,7 +55,8 @@
     if (!offline && status && !(replay && scan) && (status.state === "stalled" || status.state === "waiting")) name = status.state;
     const ended = replay && replay.duration_s > 0 && replay.time_s >= replay.duration_s - 0.05;
     const unplaced = scan && !scan.placed && !offline;
-    const [title, text] = unplaced && name === "degraded" ? words.told : unplaced && name === "lost" ? words.looking : words[name] ?? words.waiting;
+    const word = unplaced && name === "degraded" ? "told" : unplaced && name === "lost" ? "looking" : name, known = !!(status && status.known_map);
+    const [title, text] = (known && known_words[word]) || words[word] || words.waiting;
     el("state").dataset.state = name;
     el("state-name").textContent = title;
     el("state-source").textContent = status ? status.source.split("/").pop() : "";
@@ -57,7 +64,7 @@
     el("state-text").textContent = name === "stalled" ? `the last one came ${Math.round(status.age_s)} s ago: cable, power, motor?` : ended ? "the log ends here" : text || where;
     el("alarm").hidden = !(name === "lost" || name === "offline" || name === "stalled") || (name === "offline" && age < 2);
     el("alarm-name").textContent = title;
-    el("alarm-text").textContent = name === "lost" ? "Drive on: a place that is known again brings it back. Or tell it where it is." :
+    el("alarm-text").textContent = name === "lost" ? (known ? "What the sensor sees does not fit the map there. It looks everywhere. Or tell it where it is." : "Drive on: a place that is known again brings it back. Or tell it where it is.") :
       name === "stalled" ? "The sensor is silent. It is taken up again as soon as it speaks." : "The program has ended, or the network is down. This page connects by itself.";
     el("alarm-find").hidden = name !== "lost" || unplaced;
     document.body.dataset.line = offline ? "off" : "on";
@@ -95,6 +102,7 @@
     show_messages(now.messages);
     const can = now.can ?? {};
     el("save").disabled = !can.save;
+    el("explained-name").textContent = now.known_map ? "sure" : "explained";
     el("record").disabled = !can.record;
     el("set-pose").disabled = el("pose").disabled = !can.set_pose;
     el("record").classList.toggle("recording", !!now.recording);
@@ -180,6 +188,7 @@
     },
     tiles(resolution, all) { world.tiles(resolution, all); view.ask(); },
     path(first, numbers) { world.path(first, numbers); view.ask(); },
+    hypotheses(numbers) { world.hypotheses(numbers); view.ask(); },
     loops(numbers) { world.loops(numbers); view.ask(); },
     gone() { if (!offline) last_scan = performance.now(); offline = true; show_state(); setTimeout(show_state, 2100); view.ask(); },
   });

@@ -1,0 +1,191 @@
+// phasescan bench live-memory: what a live run with its page and its recording holds while a robot drives about one
+// building for a day, as fast as it goes.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <optional>
+#include <thread>
+
+#include "command_list.hpp"
+#include "commands.hpp"
+#include "live/clocks.hpp"
+#include "live/recorder.hpp"
+#include "phasescan/live/live.hpp"
+#include "serve/live_control.hpp"
+#include "serve/status_board.hpp"
+#include "serve/viewer.hpp"
+#include "sim/drive.hpp"
+#include "sim/pairs_spec.hpp"
+#include "sim/world_file.hpp"
+
+namespace phasescan::app {
+namespace {
+
+struct LiveMemoryFlags {
+  CommonFlags common;
+  double hours = 24.0;
+  std::string world = "flat:1", sensor = "rplidar-a1", folder = ".";
+};
+
+constexpr double kMiB = 1048576.0;
+constexpr double kMostMiB = 80.0;
+
+/// Nobody asks for anything.
+class NoControl final : public serve::LiveControl {
+ public:
+  serve::ControlState state() const override { return {}; }
+  void set_pose(const Pose2&, serve::CommandDone done) override { done(false, ""); }
+  void relocalise(serve::CommandDone done) override { done(false, ""); }
+  void start_recording(const std::string&, serve::CommandDone done) override { done(false, ""); }
+  void stop_recording(serve::CommandDone done) override { done(false, ""); }
+  void save(const std::string&, serve::CommandDone done) override { done(false, ""); }
+  void replay_speed(double, serve::CommandDone done) override { done(false, ""); }
+  void replay_seek(double, serve::CommandDone done) override { done(false, ""); }
+};
+
+class Recording final : public live::LiveSink {
+ public:
+  explicit Recording(const std::string& path) : recorder_(path, [](const std::string& text) { warn(text); }) {}
+  void take(const live::LiveUpdate& update) override { recorder_.add(update); }
+  std::uint64_t scans() const { return recorder_.counts().scans + recorder_.counts().dropped; }
+
+ private:
+  live::Recorder recorder_;
+};
+
+/// A drive that waits for the run and the recording alone: what piles up because a day passes in minutes is none of a
+/// real one.
+class DriveSource final : public live::LiveSource {
+ public:
+  DriveSource(sim::Drive drive, std::function<std::uint64_t()> recorded)
+      : drive_(std::move(drive)), recorded_(std::move(recorded)) {}
+  bool can_wait() const override { return true; }
+  void run(const std::function<bool()>& stop, const std::function<void(live::LiveScan)>& hand,
+           const std::function<void(const std::string&)>&) override {
+    while (!stop()) {
+      auto scan = drive_.next();
+      if (!scan) return;
+      constexpr std::uint64_t kBehind = 16;
+      while (handed_ > recorded_() + kBehind && !stop()) std::this_thread::sleep_for(std::chrono::microseconds(200));
+      ++handed_;
+      hand({{std::move(scan->entry.scan)}, live::steady_ns()});
+    }
+  }
+
+ private:
+  sim::Drive drive_;
+  std::function<std::uint64_t()> recorded_;
+  std::uint64_t handed_ = 0;
+};
+
+std::size_t entries_of(const char* folder) {
+  const auto all = std::filesystem::directory_iterator(folder);
+  return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+}
+
+double resident_mib() {
+  std::ifstream statm("/proc/self/statm");
+  double total = 0.0, resident = 0.0;
+  statm >> total >> resident;
+  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / kMiB;
+}
+
+/// What the process holds, by the time of the scans.
+class Watch final : public live::LiveSink {
+ public:
+  explicit Watch(double wanted_hours) : progress_("minutes", static_cast<std::size_t>(60.0 * wanted_hours)) {}
+  void take(const live::LiveUpdate& update) override {
+    if (!first_) first_ = update.update.stamp;
+    hours = stamp_to_seconds(update.update.stamp - *first_) / 3600.0;
+    ++scans;
+    const auto minute = static_cast<std::size_t>(60.0 * hours);
+    if (minute == minute_) return;
+    minute_ = minute;
+    progress_.step(minute);
+    end_mib = resident_mib();
+    most_mib = std::max(most_mib, end_mib);
+    if (minute <= 60) hour_mib = end_mib;
+    descriptors = entries_of("/proc/self/fd") - 1;  // that of looking itself
+    threads = entries_of("/proc/self/task");
+  }
+  double hours = 0.0, hour_mib = 0.0, end_mib = 0.0, most_mib = 0.0;
+  std::size_t scans = 0, descriptors = 0, threads = 0;
+
+ private:
+  Progress progress_;
+  std::optional<Stamp> first_;
+  std::size_t minute_ = 0;
+};
+
+sim::Drive drive_of(const LiveMemoryFlags& flags) {
+  sim::PathOptions path;
+  path.speed_mps = 0.5;
+  path.turn_rate_dps = 90.0;
+  path.duration_s = 3600.0 * flags.hours;
+  const sim::World world = sim::world_by_name(flags.world, flags.common.seed);
+  return sim::Drive(world, sim::read_lidar(flags.sensor), sim::Path(world, path, Random::derive(flags.common.seed, 1)),
+                    {}, Random::derive(flags.common.seed, 2));
+}
+
+int run_live_memory(const LiveMemoryFlags& flags) {
+  SlamOptions options = config_from(flags.common).slam;
+  options.slam.bounded_memory = true;  // as `live` has it
+  ThreadExecutor executor;
+  Slam slam(options, Schedule::kLatest, &executor);
+  const auto begin = [&] { return Slam(options, Schedule::kLatest, &executor); };
+  const std::unique_ptr<live::LiveEngine> engine = live::slam_engine(slam, begin);
+  NoControl control;
+  serve::Viewer viewer(options, control, [] { return std::string("{}"); });
+  serve::StatusBoard board("simulated");
+  make_folder(flags.folder);
+  const std::string file = (std::filesystem::path(flags.folder) / "live-memory.mcap").string();
+  std::filesystem::remove(file);
+  Watch watch(flags.hours);
+  const InterruptGuard guard;
+  {
+    Recording recording(file);
+    DriveSource source(drive_of(flags), [&recording] { return recording.scans(); });
+    live::run_live(
+        source, *engine, {&viewer, &board, &recording, &watch}, nullptr, [] { return InterruptGuard::interrupted(); },
+        [](const std::string&) {});
+  }
+  const double recorded = static_cast<double>(std::filesystem::file_size(file)) / kMiB;
+  std::filesystem::remove(file);
+  const double a_day = watch.hours > 1.0 ? 24.0 * (watch.end_mib - watch.hour_mib) / (watch.hours - 1.0) : 0.0;
+  print(fmt::format(
+      "{{\"hours\": {:.3f}, \"scans\": {}, \"nodes\": {}, \"rss_hour_mib\": {:.1f}, \"rss_end_mib\": {:.1f}, "
+      "\"rss_most_mib\": {:.1f}, \"grown_mib_per_day\": {:.1f}, \"recorded_mib\": {:.0f}, \"descriptors\": {}, "
+      "\"threads\": {}}}\n",
+      watch.hours, watch.scans, slam.map()->keyframes().size(), watch.hour_mib, watch.end_mib, watch.most_mib, a_day,
+      recorded, watch.descriptors, watch.threads));
+  return watch.end_mib <= kMostMiB ? kDone : kAnswerIsNo;
+}
+
+}  // namespace
+
+void add_live_memory_command(CLI::App& app, CommandBody& body) {
+  auto* bench = app.get_subcommand("bench");
+  auto* command = bench->add_subcommand(
+      "live-memory", "memory of a live run with its page and its recording, a day simulated at speed: 80 MiB allowed");
+  auto flags = std::make_shared<LiveMemoryFlags>();
+  command->add_option("--hours", flags->hours, "length of the drive")
+      ->type_name("H")
+      ->check(CLI::Range(0.01, 10000.0))
+      ->capture_default_str();
+  command->add_option("--world", flags->world, "as for simulate")->capture_default_str();
+  command->add_option("--sensor", flags->sensor, "as for simulate")->capture_default_str();
+  command->add_option("--folder", flags->folder, "where the recording lies while it is made, 1 GB for a day")
+      ->type_name("DIR")
+      ->capture_default_str();
+  add_seed_flag(*command, flags->common);
+  add_config_flag(*command, flags->common);
+  command->footer("Example:\n  phasescan bench live-memory --hours 3");
+  command->callback([flags, &body] { body = [flags] { return run_live_memory(*flags); }; });
+}
+
+}  // namespace phasescan::app
