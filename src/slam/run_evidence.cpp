@@ -265,8 +265,11 @@ void look_at_map(const FinishedRun& run, RunEvidence& e) {
 void combine(RunEvidence& e) {
   const double unaided = 1.0 - std::min(1.0, e.wheels) * e.wheels_agreed;
   e.lost_unaided = unaided * e.lost;
-  e.unseen_ratio = unaided * e.longest_gap_s * share(e.way_m, e.duration_s) / right_m(e);
+  // Over a long way wheels jump: they say nothing of it.
+  const double unseen = e.wheels_jumped > 0.0 ? 1.0 : unaided;
+  e.unseen_ratio = unseen * e.longest_gap_s * share(e.way_m, e.duration_s) / right_m(e);
   e.doubted = e.beyond_drift + e.alike + e.inconsistent;
+  e.unseen_doubted = e.unseen_ratio * e.doubted;
 }
 
 }  // namespace

@@ -53,7 +53,8 @@ struct RunEvidence {
   // Loops that were found, by what became of them: share.
   double loops_found = 0;  ///< their number
   double undone = 0, beyond_drift = 0, alike = 0, inconsistent = 0;
-  double doubted = 0;  ///< the last three: places look like others here
+  double doubted = 0;         ///< the last three: places look like others here
+  double unseen_doubted = 0;  ///< times unseen_ratio: what brings the way back together may be another place
   // Wheels: steps for each scan, and shares of the steps.
   double wheels = 0, wheels_agreed = 0, wheels_slipped = 0, wheels_reversed = 0, wheels_jumped = 0;
   // The map against its own scans.
@@ -134,6 +135,7 @@ struct RunEvidence {
     v("alike", self.alike);
     v("inconsistent", self.inconsistent);
     v("doubted", self.doubted);
+    v("unseen_doubted", self.unseen_doubted);
   }
   template <class Comparison, class Visitor>
   static void visit_comparison(const std::string& name, Comparison& c, Visitor& v) {

@@ -51,7 +51,7 @@ TEST(Verdict, WhatSpeaksAgainstAMapNeverMakesItBetter) {
   EXPECT_LT(worse([](RunEvidence& e) { e.map.far.tail.crossed = 0.8, e.map.far.tail.in_free = 0.8; }), 0.95);
   EXPECT_LT(worse([](RunEvidence& e) { e.excess.crossed = 0.3, e.excess.in_free = 0.3; }), 0.95);
   EXPECT_LT(worse([](RunEvidence& e) { e.lost_unaided = 0.4, e.unseen_ratio = 30.0; }), 0.95);
-  EXPECT_LT(worse([](RunEvidence& e) { e.step_chi2_tail = 30.0, e.doubted = 0.5; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.step_chi2_tail = 30.0, e.unseen_doubted = 10.0; }), 0.95);
   EXPECT_LT(worse([](RunEvidence& e) { e.expected_ratio = 10.0; }), 0.95);
   EXPECT_LT(worse([](RunEvidence& e) { e.off_map = 0.4, e.breaks = 4.0; }), 0.95);
   EXPECT_LE(worse([](RunEvidence& e) { e.wheels_slipped = 0.5; }), best);
@@ -151,6 +151,11 @@ TEST(Verdict, WheelsThatAgreeAnswerForScansThatWereLost) {
   EXPECT_NEAR(alone.at("unseen_ratio"), alone.at("longest_gap_s") * alone.at("way_m") / alone.at("duration_s") / 0.2,
               1e-9);
   EXPECT_LT(aided.at("unseen_ratio"), 0.2 * alone.at("unseen_ratio"));
+  // Wheels that jump elsewhere answer for no gap.
+  with.measurements[20].T_odom_base = Pose2{50.0, 0.0, 0.0};
+  const auto jumped = run(with).verdict.evidence;
+  EXPECT_GT(jumped.at("wheels_agreed"), 0.9);
+  EXPECT_GT(jumped.at("unseen_ratio"), 0.9 * alone.at("unseen_ratio"));
 }
 
 TEST(Verdict, DrivesThatNothingTiesAreInPieces) {
