@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """What the verdict of a run is worth: simulated logs, half of them clean and half dirty, each run through slam and compared with its truth.
 
-usage: verdict_runs.py [--runs N] [--first-seed K] [--jobs N] [--logs FOLDER] [--rows FILE] [--table]
-A log follows from its seed alone: sensor, world, way, wheels, and for odd seeds one or two kinds of dirt. --logs keeps them; those that are
-there already are used. --rows: a line of JSON per run, with the evidence that the verdict rests on. $PHASESCAN names another command than
+usage: verdict_runs.py [--runs N] [--first-seed K] [--variants N] [--jobs N] [--logs FOLDER] [--rows FILE]
+A log follows from its seed alone: sensor, world, way, wheels, and for odd seeds what is wrong with it (KINDS). --logs keeps them; those that are
+there already are used. --variants: of each log so many more with other dirt, half of them without its wheels: runs to fit constants on, most of
+them hard. --rows: a line of JSON per run, with the evidence that the verdict rests on; runs that have one are not made again. $PHASESCAN names another command than
 build/release/bin/phasescan.
 """
 import argparse
@@ -13,6 +14,7 @@ import math
 import os
 import pathlib
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -25,6 +27,7 @@ import repeating_worlds  # noqa: E402
 COMMAND = os.environ.get("PHASESCAN", str(HERE / "build/release/bin/phasescan"))
 SENSORS = {"rplidar-a1": 5.5, "rplidar-a1-real": 5.5, "ydlidar-x4": 7.0, "ydlidar-x4-real": 7.0, "ld06": 10.0, "ld06-real": 10.0,
            "rplidar-c1": 10.0, "rplidar-c1-real": 10.0}  # turns a second
+FIRST_TEST_SEED = 100101  # no constant is fitted on runs from here on, nor is any of them looked at when features are chosen
 WORLDS = {"flat": 4, "office": 3, "building": 2, "corridor": 1, "hall": 1}  # by share
 
 
@@ -59,6 +62,11 @@ def covered(scans, chance):
         n, at = chance.randint(8, 60), chance.randrange(dirty_logs.FIRST, len(scans))
         for s in scans[at:at + n]:
             s["ranges"] = [r if chance.random() < 0.03 else 0 for r in s["ranges"]]
+
+
+def low_rate(scans, chance):
+    """One scan in 3 to 10 is kept: a log that was thinned out, or a computer that is far too slow."""
+    scans[:] = scans[::chance.randint(3, 10)]
 
 
 def noisy(scans, chance):
@@ -107,33 +115,59 @@ def wheels_slip(scans, chance):
 
 
 DIRT = {**{k: (lambda scans, chance, change=change: change(scans, chance)) for k, change in dirty_logs.KINDS.items() if k != "clean"},
-        "bursts lost": bursts_lost, "long gaps": long_gaps, "sensor covered": covered, "noisy": noisy, "short range": short_range,
+        "bursts lost": bursts_lost, "long gaps": long_gaps, "low rate": low_rate, "sensor covered": covered, "noisy": noisy, "short range": short_range,
         "wheels slip": wheels_slip}
+
+
+KINDS = {"clean": "no dirt", "long": "no dirt, 2,000 to 6,000 scans of a building or an office", "repeats": "places that look alike, half of them also dirty",
+         "dirt": "one kind of dirt", "several": "two or three kinds of dirt at once", "bare": "a corridor or a hall without wheels, scans lost or short-sighted",
+         "rough": "a fast robot without wheels, two or three of: scans lost, low rate, short-sighted, noisy"}
+BARE = ["bursts lost", "long gaps", "sensor covered", "short range", "1 % packets lost", "noisy", "low rate"]
+ROUGH = ["bursts lost", "long gaps", "low rate", "sensor covered", "short range", "noisy"]
 
 
 def spec_of(seed):
     """What a seed stands for."""
     chance = random.Random(7919 * seed + 17)
-    spec = {"seed": seed, "clean": seed % 2 == 0, "sensor": chance.choice(list(SENSORS)), "dirt": [],
+    spec = {"seed": seed, "clean": seed % 2 == 0, "kind": "clean", "sensor": chance.choice(list(SENSORS)), "dirt": [],
             "world": chance.choices(list(WORLDS), list(WORLDS.values()))[0], "wheels": chance.random() < 0.5,
             "speed": chance.choice((0.3, 0.5, 0.8)), "turn_rate": chance.choice((45, 90)), "people": chance.choice((0, 0, 0, 1, 3)),
             "scans": int(200 * 4 ** chance.random())}
-    if not spec["clean"]:
-        kind = chance.choice(["repeats", *["dirt"] * 4])
-        if kind == "repeats":
-            spec["world"] = chance.choice(list(repeating_worlds.KINDS))
-            spec["speed"], spec["scans"] = 0.8, chance.randint(400, 900)
-        if kind == "dirt" or chance.random() < 0.3:
-            spec["dirt"] = [chance.choice([k for k in DIRT if spec["wheels"] or k != "wheels slip"])]
-            if spec["wheels"] and chance.random() < 0.25:
-                spec["dirt"] = ["wheels slip"]
-        if kind == "dirt" and chance.random() < 0.25:
-            spec["dirt"].append(chance.choice(list(DIRT)))
+    if spec["clean"]:
+        if chance.random() < 0.05:
+            spec.update(kind="long", world=chance.choice(("building", "office")), speed=0.8, scans=int(2000 * 3 ** chance.random()))
+        return spec
+    spec["kind"] = kind = chance.choice(["repeats", "repeats", "bare", "several", "rough", "dirt", "dirt"])
+    if kind == "repeats":
+        spec.update(world=chance.choice(list(repeating_worlds.KINDS)), speed=0.8, scans=chance.randint(400, 900))
+        if chance.random() < 0.3:
+            spec.update(wheels=False, dirt=chance.sample(ROUGH, chance.randint(1, 2)))
+            return spec
+    if kind == "bare":
+        spec.update(world=chance.choice(("corridor", "corridor", "hall")), wheels=False, dirt=[chance.choice(BARE)])
+    if kind == "rough":
+        spec.update(wheels=False, speed=chance.choice((0.8, 1.2, 1.5)), turn_rate=chance.choice((90, 180)), people=chance.choice((0, 1, 3)),
+                    dirt=chance.sample(ROUGH, chance.randint(2, 3)))
+    if kind in ("dirt", "several") or (kind == "repeats" and chance.random() < 0.3):
+        kinds = [k for k in DIRT if spec["wheels"] or k != "wheels slip"]
+        spec["dirt"] = ["wheels slip"] if spec["wheels"] and chance.random() < 0.25 else [chance.choice(kinds)]
+        if kind == "several":
+            spec["dirt"] += chance.sample([k for k in kinds if k not in spec["dirt"]], chance.randint(1, 2))
     return spec
 
 
-def make_log(spec, log):
-    """The log and its truth."""
+def variant_of(spec, variant):
+    """The same log with other dirt. Variant 0: as it is."""
+    if variant == 0:
+        return spec
+    chance = random.Random(31 * spec["seed"] + variant)
+    return {**spec, "variant": variant, "clean": False, "kind": "repeats" if spec["kind"] == "repeats" else "rough",
+            "dirt": chance.sample(ROUGH if chance.random() < 0.6 else list(DIRT), chance.randint(1, 3)),
+            "wheels": spec["wheels"] and chance.random() < 0.4}
+
+
+def simulate(spec, log):
+    """The log without dirt, and its truth."""
     seed, world, way = spec["seed"], f"{spec['world']}:{spec['seed']}", []
     if spec["world"] in repeating_worlds.KINDS:
         world, path = f"{log}.world.yaml", f"{log}.path.yaml"
@@ -142,11 +176,15 @@ def make_log(spec, log):
     call("simulate", "--world", world, *way, "--sensor", spec["sensor"], "--seed", seed, "--speed", spec["speed"], "--turn-rate", spec["turn_rate"],
          "--people", spec["people"], "--duration", round(spec["scans"] / SENSORS[spec["sensor"]], 1), "--out", log,
          *(["--odometry"] if spec["wheels"] else []))
-    if not spec["dirt"]:
-        return
-    with open(log) as f:
+
+
+def soil(spec, clean, log):
+    with open(clean) as f:
         scans = [json.loads(line) for line in f]
-    chance = random.Random(seed)
+    if not spec["wheels"]:
+        for s in scans:
+            s.pop("odometry", None)
+    chance = random.Random(spec["seed"] + 1000003 * spec.get("variant", 0))
     for kind in spec["dirt"]:
         DIRT[kind](scans, chance)
     with open(log, "w") as f:
@@ -165,26 +203,35 @@ def way_of(truth):
     return length
 
 
-def run(seed, logs):
+def judge(spec, log, truth, out):
     """One run: what it was, what slam says of it, how far it is off."""
-    spec = spec_of(seed)
+    exit_code = call("slam", log, "--out", out).returncode
+    error = call("eval", "--trajectory", f"{out}/trajectory.tum", "--reference", truth, "--json").stdout
+    with open(f"{out}/summary.json") as f:
+        summary = json.load(f)
+    with open(f"{out}/timing.json") as f:
+        timing = json.load(f)
+    return {**spec, "exit": exit_code, "scans": summary["scans"], "way_m": round(way_of(truth), 2),
+            "ate_m": json.loads(error)["ate_m"]["rmse"] if error else None, "verdict": summary["verdict"],
+            "probability": summary["verdict_probability"], "reasons": [r["kind"] for r in summary["reasons"]],
+            "cpu_ms": round(timing["cpu_ms_per_scan"] * summary["scans"], 1), "evidence": summary.get("evidence")}
+
+
+def run(seed, logs=None, variants=0):
+    """The runs of a seed."""
+    spec, rows = spec_of(seed), []
     with tempfile.TemporaryDirectory() as folder:
-        log, out = os.path.join(logs or folder, f"{seed}.jsonl"), os.path.join(folder, "out")
-        if not os.path.exists(log):
-            make_log(spec, os.path.join(folder, "new.jsonl"))
-            os.replace(os.path.join(folder, "new.jsonl.truth.tum"), f"{log}.truth.tum") if logs else None
-            log = log if logs else os.path.join(folder, "new.jsonl")
-            subprocess.run(["mv", os.path.join(folder, "new.jsonl"), log], check=True) if logs else None
-        exit_code = call("slam", log, "--out", out).returncode
-        error = call("eval", "--trajectory", f"{out}/trajectory.tum", "--reference", f"{log}.truth.tum", "--json").stdout
-        with open(f"{out}/summary.json") as f:
-            summary = json.load(f)
-        with open(f"{out}/timing.json") as f:
-            timing = json.load(f)
-        return {**spec, "exit": exit_code, "scans": summary["scans"], "way_m": round(way_of(f"{log}.truth.tum"), 2),
-                "ate_m": json.loads(error)["ate_m"]["rmse"] if error else None, "verdict": summary["verdict"],
-                "probability": summary["verdict_probability"], "reasons": [r["kind"] for r in summary["reasons"]],
-                "cpu_ms": round(timing["cpu_ms_per_scan"] * summary["scans"], 1), "evidence": summary.get("evidence")}
+        clean = os.path.join(folder, "clean.jsonl")
+        for variant in range(1 + variants):
+            one = variant_of(spec, variant)
+            log = os.path.join(logs or folder, f"{seed}.{variant}.jsonl")
+            if not os.path.exists(log):
+                if not os.path.exists(clean):
+                    simulate(spec, clean)
+                shutil.copy(f"{clean}.truth.tum", f"{log}.truth.tum")
+                soil(one, clean, log)
+            rows.append(judge(one, log, f"{log}.truth.tum", os.path.join(folder, f"out{variant}")))
+    return rows
 
 
 def is_right(row):
@@ -195,22 +242,29 @@ def is_off(row):
     return row["ate_m"] is None or (row["ate_m"] > 1.0 and row["ate_m"] > 0.01 * row["way_m"])
 
 
-def run_all(runs, first_seed=1, jobs=1, logs=None, rows_file=None):
+def run_all(runs, first_seed=1, jobs=1, logs=None, rows_file=None, variants=0):
+    """In the order of the seeds."""
     rows = []
+    if rows_file and os.path.exists(rows_file):
+        with open(rows_file) as lines:
+            rows = [json.loads(line) for line in lines]
+    seeds = [s for s in range(first_seed, first_seed + runs) if s not in {r["seed"] for r in rows}]
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        for row in pool.map(lambda seed: run(seed, logs), range(first_seed, first_seed + runs)):
-            rows.append(row)
+        for more in pool.map(lambda seed: run(seed, logs, variants), seeds):
+            rows += more
             if rows_file:
                 with open(rows_file, "a") as out:
-                    out.write(json.dumps(row) + "\n")
+                    out.writelines(json.dumps(row) + "\n" for row in more)
     return rows
 
 
 def table(rows):
-    """Of clean runs, dirty ones and all: how many, and what the verdicts were worth."""
+    """Of runs by kind, of the clean, the dirty and of all: how many, and what the verdicts were worth."""
     share = lambda part, whole: f"{sum(part(r) for r in whole)} of {len(whole)}"
+    groups = [(f"{kind}: {what}", [r for r in rows if r["kind"] == kind]) for kind, what in KINDS.items()]
+    groups += [("all clean", [r for r in rows if r["clean"]]), ("all dirty", [r for r in rows if not r["clean"]]), ("all", rows)]
     lines = []
-    for name, group in (("clean", [r for r in rows if r["clean"]]), ("dirty", [r for r in rows if not r["clean"]]), ("all", rows)):
+    for name, group in groups:
         good, right, off = [r for r in group if r["verdict"] == "good"], [r for r in group if is_right(r)], [r for r in group if is_off(r)]
         lines.append([name, len(group), len(right), len(off), share(is_right, good), share(lambda r: r["verdict"] == "good", right),
                       share(lambda r: r["verdict"] != "good", off), share(lambda r: r["verdict"] == "failed", off)])
@@ -228,7 +282,8 @@ def print_table(rows):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=1000)
-    parser.add_argument("--first-seed", type=int, default=100001)
+    parser.add_argument("--first-seed", type=int, default=FIRST_TEST_SEED)
+    parser.add_argument("--variants", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--logs")
     parser.add_argument("--rows")

@@ -94,6 +94,8 @@ class Backend {
   const PoseGraph& graph() const { return session_.graph(); }
   const GraphSession& session() const { return session_; }
   LoopCounts loop_counts() const;
+  /// The first node of which a loop was rejected as beyond drift or as one of places that look alike; -1: none.
+  int doubted_node() const { return closer_.state().doubted; }
   /// What of the graph hangs together.
   MapPieces pieces() const { return connectivity_.pieces(); }
 

@@ -16,7 +16,7 @@ constexpr int kBatchNodes = 10;  // after which the graph is optimised where tha
 void Backend::join(BackendState other) {
   const int first = session_.append(std::move(other.session));
   places_.append(other.places, first);
-  closer_.append(other.loops);
+  closer_.append(other.loops, first);
   // Places that were recognised are told by poses on the other map as it lay; they are found again.
   other.admission.candidates.clear();
   other.admission.sure_nodes += static_cast<std::size_t>(first);

@@ -146,12 +146,17 @@ void LoopCloser::search_places(int node, const GraphSession& session, PlaceSearc
   }
   if (as_mapped) state_.travelled_at_place_m = here_m;
   if (!as_mapped && one_of_several(found, poses)) {
-    state_.alike += found.size();
+    doubt(node, state_.alike, found.size());
     return;
   }
   for (const Loop& loop : found) {
     for (const Loop& l : submit(loop, session, connectivity)) accepted.push_back(l);
   }
+}
+
+void LoopCloser::doubt(int node, std::size_t& count, std::size_t loops) {
+  count += loops;
+  if (state_.doubted < 0) state_.doubted = node;
 }
 
 bool LoopCloser::one_of_several(const std::vector<Loop>& found, const std::vector<Pose2>& poses) const {
@@ -184,7 +189,7 @@ std::vector<Loop> LoopCloser::accept(LoopConsistency& consistency, const Loop& l
     return {};
   }
   if (!within_drift(loop, session)) {
-    ++state_.beyond;
+    doubt(loop.to, state_.beyond, 1);
     return {};
   }
   std::vector<Loop> accepted =
@@ -213,7 +218,7 @@ std::vector<Loop> LoopCloser::search_before(int node, int limit, bool by_looks, 
     }
   }
   if (one_of_several(by_place, poses)) {
-    state_.alike += by_place.size();
+    doubt(node, state_.alike, by_place.size());
     by_place.clear();
   }
   found.insert(found.end(), by_place.begin(), by_place.end());
@@ -224,13 +229,14 @@ std::vector<Loop> LoopCloser::search_before(int node, int limit, bool by_looks, 
   return accepted;
 }
 
-void LoopCloser::append(const LoopCloserState& other) {
+void LoopCloser::append(const LoopCloserState& other, int first) {
   state_.compared += other.compared;
   state_.places += other.places;
   state_.found += other.found;
   state_.weak += other.weak + other.consistency.rejected + other.consistency.waiting.size();
   state_.beyond += other.beyond;
   state_.alike += other.alike;
+  if (state_.doubted < 0 && other.doubted >= 0) state_.doubted = other.doubted + first;
 }
 
 std::vector<Loop> LoopCloser::search_all(const GraphSession& session, Connectivity& connectivity) {

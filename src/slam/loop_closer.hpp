@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "slam/path_covariance.hpp"
 #include "slam/place_search.hpp"
 #include "slam/visit_maps.hpp"
+#include "state/fields.hpp"
 
 namespace phasescan {
 
@@ -25,6 +27,7 @@ struct LoopCloserState {
   std::size_t beyond = 0;    ///< of these, rejected at once: they ask for more than tracking can be off
   std::size_t alike = 0;     ///< of these, rejected at once: several places far from each other look the same
   double travelled_at_place_m = 0.0;  ///< of the last node at which a place looked as the map has it
+  std::int32_t doubted = -1;          ///< the first node of which a loop was counted as beyond or alike, -1: none
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -36,6 +39,7 @@ struct LoopCloserState {
     v("beyond", self.beyond);
     v("alike", self.alike);
     v("travelled_at_place_m", self.travelled_at_place_m);
+    visit_since(v, 3, "doubted", self.doubted);
   }
 };
 
@@ -59,8 +63,8 @@ class LoopCloser {
   /// first. @param by_looks  wherever the map has them too. @param consistency  of all loops between the two
   std::vector<Loop> search_before(int node, int limit, bool by_looks, LoopConsistency& consistency,
                                   const GraphSession& session, PlaceSearch& places, Connectivity& connectivity);
-  /// Takes over what another run counted; its loops that wait are rejected.
-  void append(const LoopCloserState& other);
+  /// Takes over what another run counted; its loops that wait are rejected. @param first  number of its first node now
+  void append(const LoopCloserState& other, int first);
   /// No more loops come: those that wait are rejected.
   void close() { consistency_.close(); }
 
@@ -71,6 +75,8 @@ class LoopCloser {
  private:
   std::vector<Loop> accept(LoopConsistency& consistency, const Loop& loop, const GraphSession& session,
                            Connectivity& connectivity);
+  /// A loop of a node proves nothing. @param count  one of those of the state
+  void doubt(int node, std::size_t& count, std::size_t loops);
   /// Whether places that look alike would put one node far apart: then its looks prove nothing.
   bool one_of_several(const std::vector<Loop>& found, const std::vector<Pose2>& poses) const;
   /// Whether a loop asks for no more than what tracking and earlier loops leave open between its ends.

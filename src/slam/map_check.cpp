@@ -25,6 +25,7 @@ constexpr double kDoubledM = 0.6;         // and so near is the wall once more
 constexpr double kFarthestM = 15.0;       // of a ray: beyond, a degree is as much as a wall's thickness
 constexpr std::size_t kFewest = 15;       // rays that must meet what others know
 constexpr std::size_t kInARow = 5;        // scans of a worst place
+constexpr std::size_t kTail = 20;         // one of so many places is among the worst
 constexpr double kManyBeams = 1.0 / 3.0;  // of a scan: no door and no person
 constexpr std::size_t kMostBins = 64;     // one bit each
 
@@ -173,6 +174,20 @@ void add(const Count& one, Count& sum) {
   sum.met += one.met, sum.crossed += one.crossed, sum.doubled += one.doubled, sum.in_free += one.in_free;
 }
 
+VisitShares mean_of_worst(std::vector<VisitShares> places) {
+  VisitShares mean;
+  if (places.empty()) return mean;
+  std::stable_sort(places.begin(), places.end(),
+                   [](const VisitShares& a, const VisitShares& b) { return a.against() > b.against(); });
+  const std::size_t count = (places.size() + kTail - 1) / kTail;
+  for (std::size_t k = 0; k < count; ++k) {
+    mean.crossed += places[k].crossed / static_cast<double>(count);
+    mean.doubled += places[k].doubled / static_cast<double>(count);
+    mean.in_free += places[k].in_free / static_cast<double>(count);
+  }
+  return mean;
+}
+
 VisitComparison compare(const std::vector<Count>& counts) {
   VisitComparison result;
   Count all;
@@ -187,14 +202,17 @@ VisitComparison compare(const std::vector<Count>& counts) {
   }
   result.scans = told.size();
   result.mean = shares(all);
+  std::vector<VisitShares> places;
   for (std::size_t k = 0; k + kInARow <= told.size(); ++k) {
     Count some;
     for (std::size_t j = k; j < k + kInARow; ++j) add(counts[told[j]], some);
     const VisitShares here = shares(some);
+    places.push_back(here);
     if (here.against() <= result.worst.against()) continue;
     result.worst = here;
     result.worst_scan = told[k + kInARow / 2];
   }
+  result.tail = mean_of_worst(std::move(places));
   return result;
 }
 

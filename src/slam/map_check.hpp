@@ -24,6 +24,7 @@ struct VisitComparison {
   std::size_t scans = 0;          ///< with enough beams in common with others to say something
   VisitShares mean;               ///< over these
   VisitShares worst;              ///< over the five in a row that are worst: a whole room, not a door
+  VisitShares tail;               ///< mean of the twentieth of all fives in a row that is worst: grows with no length
   std::size_t worst_scan = 0;     ///< the middle one of them, as a number of the scans checked
   std::size_t contradicting = 0;  ///< scans of which a third and more of the beams crossed walls or ended in the free
   std::size_t doubling = 0;       ///< and of which a third and more saw walls twice

@@ -40,6 +40,7 @@ void renumber(ScanLedger& ledger, const Before& before) {
   }
   for (std::int32_t& keyframe : ledger.breaks) keyframe += before.keyframes;
   for (std::int64_t& scan : ledger.sessions) scan += before.scans;
+  if (ledger.wheels_off >= 0) ledger.wheels_off += before.scans;
 }
 
 /// All numbers of a run but those of nodes, which the back end gives.
@@ -65,6 +66,7 @@ void append(ScanLedger& ledger, const ScanLedger& next) {
   ledger.breaks.insert(ledger.breaks.end(), next.breaks.begin(), next.breaks.end());
   ledger.sessions.insert(ledger.sessions.end(), next.sessions.begin(), next.sessions.end());
   ledger.keyframes += next.keyframes;
+  if (ledger.wheels_off < 0) ledger.wheels_off = next.wheels_off;
 }
 
 void count_oddities(InputCheckState& input, const InputCheckState& earlier) {

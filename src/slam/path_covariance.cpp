@@ -1,7 +1,12 @@
 #include "slam/path_covariance.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
+#include <set>
+#include <utility>
 
 #include "odometry/information.hpp"
 
@@ -32,22 +37,46 @@ Eigen::Matrix3d step_covariance(const Keyframe& to, bool new_session) {
   return covariance;
 }
 
+/// Of the motion that an edge says.
+Eigen::Matrix3d edge_covariance(const PoseEdge& edge, const GraphSession& session) {
+  const Keyframe& to = session.keyframes()[static_cast<std::size_t>(edge.to)];
+  return edge.robust ? Eigen::Matrix3d(edge.information.inverse())
+                     : step_covariance(to, session.crosses_sessions(edge));
+}
+
+double position_sigma(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(std::max(0.0, covariance(0, 0) + covariance(1, 1)));
+}
+
+/// What the choice of the way minimises [m^2].
+double length_of(const Eigen::Matrix3d& covariance) {
+  return covariance(0, 0) + covariance(1, 1) + kLeverM * kLeverM * covariance(2, 2);
+}
+
 }  // namespace
 
+void KnownWay::add(const PoseEdge& edge, const Eigen::Matrix3d& covariance, const Pose2& to, bool back) {
+  const Eigen::Vector2d at = to.translation();
+  single += carry_covariance(rotate_information(covariance, to.theta), -at);
+  const double way = edge.robust ? 0.0 : edge.T_from_to.translation().norm();
+  turning += (back ? -way : way) * Eigen::Vector3d(at.y(), -at.x(), 1.0);
+}
+
+Eigen::Matrix3d KnownWay::at(const Eigen::Vector2d& end) const {
+  const Eigen::Vector3d common(turning.x() - end.y() * turning.z(), turning.y() + end.x() * turning.z(), turning.z());
+  return carry_covariance(single, end) + kTurning * kTurning * common * common.transpose();
+}
+
 void PathCovariance::hang(const PoseEdge& edge, const GraphSession& session) {
-  const Keyframe& to = session.keyframes()[static_cast<std::size_t>(edge.to)];
   const Node& parent = node(edge.from);
-  const Eigen::Matrix3d covariance =
-      edge.robust ? Eigen::Matrix3d(edge.information.inverse()) : step_covariance(to, session.crosses_sessions(edge));
-  const double length = parent.length + covariance(0, 0) + covariance(1, 1) + kLeverM * kLeverM * covariance(2, 2);
+  const Eigen::Matrix3d covariance = edge_covariance(edge, session);
+  const double length = parent.length + length_of(covariance);
   Node& n = nodes_[static_cast<std::size_t>(edge.to)];
   if (n.parent >= 0 && length >= n.length) return;
   n.parent = edge.from;
   n.length = length;
-  const Eigen::Vector2d at = n.pose.translation();
-  n.sums.single = parent.sums.single + carry_covariance(rotate_information(covariance, n.pose.theta), -at);
-  const double way = edge.robust ? 0.0 : edge.T_from_to.translation().norm();
-  n.sums.turning = parent.sums.turning + way * Eigen::Vector3d(at.y(), -at.x(), 1.0);
+  n.sums = parent.sums;
+  n.sums.add(edge, covariance, n.pose, false);
 }
 
 void PathCovariance::rebuild(const GraphSession& session) {
@@ -83,13 +112,47 @@ Eigen::Matrix3d PathCovariance::between(int from, int to) const {
     later = node(later).parent;
   }
   const Node &start = node(from), &end = node(to), &common = node(a);
-  const Eigen::Matrix3d single =
-      carry_covariance(end.sums.single + start.sums.single - 2.0 * common.sums.single, end.pose.translation());
-  const Eigen::Vector3d ahead = end.sums.turning - start.sums.turning;
-  const Eigen::Vector2d at = end.pose.translation();
-  const Eigen::Vector3d turning = {ahead.x() - at.y() * ahead.z(), ahead.y() + at.x() * ahead.z(), ahead.z()};
-  const Eigen::Matrix3d known = single + kTurning * kTurning * turning * turning.transpose();
-  return rotate_information(known, -end.pose.theta);
+  KnownWay way;
+  way.single = end.sums.single + start.sums.single - 2.0 * common.sums.single;
+  way.turning = end.sums.turning - start.sums.turning;
+  return rotate_information(way.at(end.pose.translation()), -end.pose.theta);
+}
+
+std::vector<double> position_sigmas(const GraphSession& session, int seen_from) {
+  const std::size_t count = session.poses().size();
+  std::vector<std::vector<const PoseEdge*>> edges(count);
+  for (const PoseEdge& edge : session.graph().edges()) {
+    if (!edge.enabled) continue;
+    for (const int end : {edge.from, edge.to}) edges[static_cast<std::size_t>(end)].push_back(&edge);
+  }
+  struct Reached {
+    double length = std::numeric_limits<double>::infinity();
+    KnownWay sums;
+  };
+  std::vector<Reached> reached(count);
+  std::vector<double> sigmas(count, std::numeric_limits<double>::infinity());
+  std::set<std::pair<double, int>> next{{0.0, seen_from}};
+  reached[static_cast<std::size_t>(seen_from)].length = 0.0;
+  while (!next.empty()) {
+    const int here = next.begin()->second;
+    next.erase(next.begin());
+    const Reached from = reached[static_cast<std::size_t>(here)];
+    sigmas[static_cast<std::size_t>(here)] =
+        position_sigma(from.sums.at(session.poses()[static_cast<std::size_t>(here)].translation()));
+    for (const PoseEdge* edge : edges[static_cast<std::size_t>(here)]) {
+      const bool back = edge->to == here;
+      const int there = back ? edge->from : edge->to;
+      const Eigen::Matrix3d covariance = edge_covariance(*edge, session);
+      const double length = from.length + length_of(covariance);
+      Reached& to = reached[static_cast<std::size_t>(there)];
+      if (length >= to.length) continue;
+      next.erase({to.length, there});
+      to = {length, from.sums};
+      to.sums.add(*edge, covariance, session.poses()[static_cast<std::size_t>(edge->to)], back);
+      next.insert({length, there});
+    }
+  }
+  return sigmas;
 }
 
 }  // namespace phasescan

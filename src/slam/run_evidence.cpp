@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -13,10 +15,13 @@ namespace phasescan {
 namespace {
 
 constexpr double kRightM = 0.2, kRightShare = 0.01;    // error of a map that is right: metres, or share of the way
-constexpr std::size_t kMostAsked = 500;                // keyframes whose covariance is looked at
+constexpr double kMostSigmaM = 1000.0;                 // of a keyframe that no edge ties to the others
 constexpr double kStillM = 0.02;                       // steps below are the noise of standing still
 constexpr double kGapPeriods = 1.8;                    // a step so long has lost a scan
 constexpr double kLeastSpeed = 0.1, kLeastTurn = 0.2;  // [m/s], [rad/s] that jumps are measured by, where all is slow
+constexpr double kTailShare = 0.05;                    // of edges: those that fit worst
+constexpr double kUsualShare = 0.95;                   // of the steps: as far and fast as the robot goes
+constexpr double kMuchFaster = 1.5;                    // than that: no step of the way
 
 std::size_t index(std::int64_t k) {
   return static_cast<std::size_t>(k);
@@ -26,12 +31,21 @@ double share(double part, double whole) {
   return whole > 0.0 ? part / whole : 0.0;
 }
 
+double mean(const std::vector<double>& values) {
+  return share(std::accumulate(values.begin(), values.end(), 0.0), static_cast<double>(values.size()));
+}
+
 /// The value that a share `q` of all is below; 0 of none.
 double quantile(std::vector<double> values, double q) {
   if (values.empty()) return 0.0;
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
+}
+
+/// What a map that is right may be off by.
+double right_m(const RunEvidence& e) {
+  return std::max(kRightM, kRightShare * e.way_m);
 }
 
 /// Scans that could be matched, and what became of them.
@@ -62,7 +76,7 @@ void count_scans(const SlamResult& result, RunEvidence& e) {
 /// A step of the way between two scans that were matched.
 struct Step {
   std::size_t from = 0, to = 0;  ///< scans
-  double time_s = 0.0;
+  double time_s = 0.0, way_m = 0.0, turn = 0.0;
 };
 
 /// Whether a scan counts for the way as the map has it.
@@ -82,15 +96,40 @@ std::vector<Step> steps_of(const SlamResult& result) {
     }
     if (!is_on_way(result.scans[i])) continue;
     const Stamp stamp = result.scans[i].stamp;
-    if (last >= 0 && stamp > result.scans[index(last)].stamp)
-      steps.push_back({index(last), i, stamp_to_seconds(stamp - result.scans[index(last)].stamp)});
+    if (last >= 0 && stamp > result.scans[index(last)].stamp) {
+      const ScanResult& before = result.scans[index(last)];
+      const Pose2 moved = before.T_map_base.inverse() * result.scans[i].T_map_base;
+      steps.push_back(
+          {index(last), i, stamp_to_seconds(stamp - before.stamp), moved.translation().norm(), std::abs(moved.theta)});
+    }
     last = static_cast<std::int64_t>(i);
   }
   return steps;
 }
 
+/// How much faster and farther than all others the robot goes in one step: where the map has it jump.
+void look_for_jumps(const std::vector<Step>& steps, double period, RunEvidence& e) {
+  std::vector<double> ways, speeds, turns;
+  for (const Step& step : steps) {
+    const double time = std::max(step.time_s, 0.5 * period);
+    ways.push_back(step.way_m);
+    speeds.push_back(step.way_m / time);
+    turns.push_back(step.turn / time);
+  }
+  const auto times_most = [](const std::vector<double>& values, double least) {
+    return quantile(values, 1.0) / std::max(least, quantile(values, kUsualShare));
+  };
+  e.jump = times_most(speeds, kLeastSpeed);
+  e.turn_jump = times_most(turns, kLeastTurn);
+  const double far = quantile(ways, kUsualShare), fast = std::max(kLeastSpeed, quantile(speeds, kUsualShare));
+  double jump_m = 0.0;
+  for (const Step& step : steps)
+    jump_m = std::max(jump_m, step.way_m - kMuchFaster * std::max(far, fast * step.time_s));
+  e.jump_ratio = jump_m / right_m(e);
+}
+
 void follow_way(const SlamResult& result, RunEvidence& e) {
-  std::vector<double> periods, speeds, turns;
+  std::vector<double> periods;
   std::optional<Pose2> counted;
   const std::vector<Step> steps = steps_of(result);
   for (const ScanResult& scan : result.scans) {
@@ -103,10 +142,8 @@ void follow_way(const SlamResult& result, RunEvidence& e) {
   }
   for (const Step& step : steps) periods.push_back(step.time_s);
   const double period = quantile(periods, 0.5);
-  double fastest = 0.0, fastest_turn = 0.0, missed = 0.0;
+  double missed = 0.0;
   for (const Step& step : steps) {
-    const Pose2 moved = result.scans[step.from].T_map_base.inverse() * result.scans[step.to].T_map_base;
-    const double way = moved.translation().norm(), turn = std::abs(moved.theta);
     e.duration_s += step.time_s;
     if (step.time_s > e.longest_gap_s) {
       e.longest_gap_s = step.time_s;
@@ -114,17 +151,12 @@ void follow_way(const SlamResult& result, RunEvidence& e) {
     }
     if (step.time_s > kGapPeriods * period) {
       missed += step.time_s - period;
-      e.longest_gap_m = std::max(e.longest_gap_m, way);
-      e.longest_gap_turn = std::max(e.longest_gap_turn, turn);
+      e.longest_gap_m = std::max(e.longest_gap_m, step.way_m);
+      e.longest_gap_turn = std::max(e.longest_gap_turn, step.turn);
     }
-    speeds.push_back(way / std::max(step.time_s, 0.5 * period));
-    turns.push_back(turn / std::max(step.time_s, 0.5 * period));
-    fastest = std::max(fastest, speeds.back());
-    fastest_turn = std::max(fastest_turn, turns.back());
   }
   e.gaps = share(missed, e.duration_s);
-  e.jump = fastest / std::max(kLeastSpeed, quantile(speeds, 0.95));
-  e.turn_jump = fastest_turn / std::max(kLeastTurn, quantile(turns, 0.95));
+  look_for_jumps(steps, period, e);
 }
 
 void count_loops_and_wheels(const SlamResult& result, RunEvidence& e) {
@@ -144,12 +176,21 @@ void count_loops_and_wheels(const SlamResult& result, RunEvidence& e) {
   e.wheels_jumped = share(static_cast<double>(wheels.jumped), e.scans);
 }
 
+/// Mean of the share of the largest that kTailShare is, of at least one: an extreme of many would grow with the run.
+double tail(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto count = static_cast<std::size_t>(std::ceil(kTailShare * static_cast<double>(values.size())));
+  std::sort(values.begin(), values.end(), std::greater<>());
+  return std::accumulate(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count), 0.0) /
+         static_cast<double>(count);
+}
+
 /// How the graph fits its edges, of those between nodes that are drawn.
 void look_at_graph(const FinishedRun& run, RunEvidence& e) {
   const Backend& backend = *run.backend;
   std::vector<char> drawn(backend.keyframes().size(), 0);
   for (const int node : run.nodes) drawn[index(node)] = 1;
-  double steps = 0.0, loops = 0.0;
+  std::vector<double> steps, loops;
   const std::vector<PoseEdge>& edges = backend.graph().edges();
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const PoseEdge& edge = edges[k];
@@ -160,43 +201,36 @@ void look_at_graph(const FinishedRun& run, RunEvidence& e) {
     const Pose2 error = backend.graph().edge_error(static_cast<int>(k));
     const double chi2 = backend.graph().edge_chi2(static_cast<int>(k));
     if (edge.robust) {
-      ++loops;
-      e.loop_chi2 += chi2;
+      loops.push_back(chi2);
       e.worst_loop_chi2 = std::max(e.worst_loop_chi2, chi2);
     } else {
-      ++steps;
-      e.step_chi2 += chi2;
+      steps.push_back(chi2);
       e.worst_step_chi2 = std::max(e.worst_step_chi2, chi2);
       e.step_bend_m = std::max(e.step_bend_m, error.translation().norm());
       e.step_bend_turn = std::max(e.step_bend_turn, std::abs(error.theta));
     }
   }
-  e.step_chi2 = share(e.step_chi2, steps);
-  e.loop_chi2 = share(e.loop_chi2, loops);
+  e.step_chi2 = mean(steps);
+  e.loop_chi2 = mean(loops);
+  e.loops_per_keyframe = share(static_cast<double>(loops.size()), static_cast<double>(run.nodes.size()));
+  e.step_chi2_tail = tail(std::move(steps));
+  e.loop_chi2_tail = tail(std::move(loops));
+  e.bend_ratio = e.step_bend_m / right_m(e);
   e.keyframes = static_cast<double>(run.nodes.size());
-  e.loops_per_keyframe = share(loops, e.keyframes);
   e.pieces = run.result->pieces;
 }
 
 /// How far keyframes may be off, seen from the one in the middle of the run; and how far the last pass moved them.
 void look_at_keyframes(const FinishedRun& run, RunEvidence& e) {
   if (run.nodes.empty()) return;
-  PathCovariance covariance;
-  covariance.rebuild(run.backend->session());
-  const int middle = run.nodes[run.nodes.size() / 2];
+  const std::vector<double> sigmas = position_sigmas(run.backend->session(), run.nodes[run.nodes.size() / 2]);
   double expected = 0.0, refined = 0.0;
   std::vector<double> points;
-  const std::size_t stride = 1 + run.nodes.size() / kMostAsked;
-  double asked = 0.0;
   for (std::size_t k = 0; k < run.nodes.size(); ++k) {
     const int node = run.nodes[k];
-    if (k % stride == 0) {
-      const Eigen::Matrix3d c = covariance.between(std::min(middle, node), std::max(middle, node));
-      const double variance = std::max(0.0, c(0, 0) + c(1, 1));
-      expected += variance;
-      ++asked;
-      e.worst_expected_m = std::max(e.worst_expected_m, std::sqrt(variance));
-    }
+    const double sigma = std::min(kMostSigmaM, sigmas[index(node)]);
+    expected += sigma * sigma;
+    e.worst_expected_m = std::max(e.worst_expected_m, sigma);
     const Keyframe& keyframe = run.backend->keyframes()[index(node)];
     points.push_back(static_cast<double>(keyframe.points->size()));
     const double moved =
@@ -206,9 +240,10 @@ void look_at_keyframes(const FinishedRun& run, RunEvidence& e) {
   }
   e.points = quantile(std::move(points), 0.5);
   const auto n = static_cast<double>(run.nodes.size());
-  e.expected_m = std::sqrt(expected / asked);
-  e.expected_ratio = e.expected_m / std::max(kRightM, kRightShare * e.way_m);
+  e.expected_m = std::sqrt(expected / n);
+  e.expected_ratio = e.expected_m / right_m(e);
   e.refined_m = std::sqrt(refined / n);
+  e.refined_ratio = e.refined_m / right_m(e);
 }
 
 void look_at_map(const FinishedRun& run, RunEvidence& e) {
@@ -219,7 +254,22 @@ void look_at_map(const FinishedRun& run, RunEvidence& e) {
     return place_keyframe(run.backend->keyframes()[index(run.nodes[k])], run.T_map_stamp[k], run.deskew);
   };
   e.map = check_map(run.nodes.size(), placed, way_m);
-  if (e.map.far.scans > 0) e.contradicted_scan = run.scans[e.map.far.worst_scan];
+  if (e.map.far.scans == 0) return;
+  e.contradicted_scan = run.scans[e.map.far.worst_scan];
+  const VisitShares &far = e.map.far.mean, &near = e.map.near.mean;
+  e.excess = {std::max(0.0, far.crossed - near.crossed), std::max(0.0, far.doubled - near.doubled),
+              std::max(0.0, far.in_free - near.in_free)};
+}
+
+/// What only several of the numbers say together.
+void combine(RunEvidence& e) {
+  const double unaided = 1.0 - std::min(1.0, e.wheels) * e.wheels_agreed;
+  e.lost_unaided = unaided * e.lost;
+  // Over a long way wheels jump: they say nothing of it.
+  const double unseen = e.wheels_jumped > 0.0 ? 1.0 : unaided;
+  e.unseen_ratio = unseen * e.longest_gap_s * share(e.way_m, e.duration_s) / right_m(e);
+  e.doubted = e.beyond_drift + e.alike + e.inconsistent;
+  e.unseen_doubted = e.unseen_ratio * e.doubted;
 }
 
 }  // namespace
@@ -233,8 +283,12 @@ RunEvidence gather_evidence(const FinishedRun& run) {
   look_at_keyframes(run, e);
   look_at_map(run, e);
   e.overlap = run.fit.mean_overlap();
+  e.no_overlap = 1.0 - e.overlap;
   e.kept = share(static_cast<double>(run.fit.kept), static_cast<double>(run.fit.scans));
   e.body_sectors = static_cast<double>(run.body_sectors);
+  combine(e);
+  e.wheels_scan = run.wheels_scan;
+  e.doubted_scan = run.doubted_scan;
   return e;
 }
 

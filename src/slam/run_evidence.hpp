@@ -19,40 +19,50 @@ struct RunEvidence {
   double scans = 0, keyframes = 0, way_m = 0, duration_s = 0;
   double points = 0;  ///< on surfaces, of a keyframe in the middle
   // Scans, of those with a return.
-  double on_map = 0;     ///< matched, on the map drawn, not left out: share
-  double lost = 0;       ///< not matched
-  double degraded = 0;   ///< matched, but only by a wide search or with much unexplained
-  double ambiguous = 0;  ///< matched, with a direction open
-  double left_out = 0;   ///< fits neither neighbour
-  double off_map = 0;    ///< in a piece that nothing ties to the map
-  double repeated = 0;   ///< of all messages
+  double on_map = 0;        ///< matched, on the map drawn, not left out: share
+  double lost = 0;          ///< not matched
+  double lost_unaided = 0;  ///< and with no wheels that agree elsewhere
+  double degraded = 0;      ///< matched, but only by a wide search or with much unexplained
+  double ambiguous = 0;     ///< matched, with a direction open
+  double left_out = 0;      ///< fits neither neighbour
+  double off_map = 0;       ///< in a piece that nothing ties to the map
+  double repeated = 0;      ///< of all messages
   // Time without a scan that says anything, and what the robot did then, as the map has it.
   double gaps = 0;              ///< share of the time in steps of more than 1.8 periods
   double longest_gap_s = 0;     ///< between two scans that were matched
   double longest_gap_m = 0;     ///< farthest way over such a step of more than 1.8 periods
   double longest_gap_turn = 0;  ///< [rad]
-  double jump = 0;              ///< fastest step of the way, times that speed which one step in twenty is over
-  double turn_jump = 0;         ///< the same of turning
+  double unseen_ratio = 0;  ///< way that the robot makes in longest_gap_s, by what a right map may be off; no wheels
+  double jump = 0;          ///< fastest step of the way, times that speed which one step in twenty is over
+  double jump_ratio = 0;    ///< way by which a step is longer than any robot's, by what a right map may be off
+  double turn_jump = 0;     ///< the same of turning
   // The graph.
   double pieces = 0, breaks = 0, loops_per_keyframe = 0;
-  double step_chi2 = 0, worst_step_chi2 = 0;   ///< how far the graph bends steps of tracking: mean, and largest
-  double step_bend_m = 0, step_bend_turn = 0;  ///< largest [m], [rad]
-  double loop_chi2 = 0, worst_loop_chi2 = 0;   ///< how badly loops of the graph fit
-  double refined_m = 0, worst_refined_m = 0;   ///< by how much the last pass moved keyframes: root mean square, largest
-  double overlap = 1, kept = 0;                ///< of the scans with the map in the last pass: mean; share that it kept
+  double step_chi2 = 0, worst_step_chi2 = 0;      ///< how far the graph bends steps of tracking: mean, and largest
+  double step_chi2_tail = 0, loop_chi2_tail = 0;  ///< mean of the twentieth of them that is worst
+  double step_bend_m = 0, step_bend_turn = 0;     ///< largest [m], [rad]
+  double bend_ratio = 0;                      ///< step_bend_m by what a right map may be off: 0.2 m or 1 % of the way
+  double loop_chi2 = 0, worst_loop_chi2 = 0;  ///< how badly loops of the graph fit
+  double refined_m = 0, worst_refined_m = 0;  ///< by how much the last pass moved keyframes: root mean square, largest
+  double refined_ratio = 0;                   ///< refined_m by what a right map may be off
+  double no_overlap = 0;                      ///< 1 - overlap
+  double overlap = 1, kept = 0;               ///< of the scans with the map in the last pass: mean; share that it kept
   double expected_m = 0, worst_expected_m = 0;  ///< standard deviation of keyframes' positions, from steps and loops
-  double expected_ratio = 0;                    ///< expected_m by what a right map may be off: 0.2 m or 1 % of the way
+  double expected_ratio = 0;                    ///< expected_m by what a right map may be off
   double moved_m = 0;                           ///< farthest that loops moved a scan from where tracking had it
   // Loops that were found, by what became of them: share.
   double loops_found = 0;  ///< their number
   double undone = 0, beyond_drift = 0, alike = 0, inconsistent = 0;
+  double doubted = 0;         ///< the last three: places look like others here
+  double unseen_doubted = 0;  ///< times unseen_ratio: what brings the way back together may be another place
   // Wheels: steps for each scan, and shares of the steps.
   double wheels = 0, wheels_agreed = 0, wheels_slipped = 0, wheels_reversed = 0, wheels_jumped = 0;
   // The map against its own scans.
   MapCheck map;
+  VisitShares excess;  ///< means of visits far on the way above those of near ones: what sensor and people leave open
   double body_sectors = 0;  ///< in which the robot itself was found
   // Where to look: scans of the result, -1: nowhere. No part of the evidence.
-  ScanId contradicted_scan = -1, gap_scan = -1;
+  ScanId contradicted_scan = -1, gap_scan = -1, wheels_scan = -1, doubted_scan = -1;
 
   /// Calls v(name, number) for each.
   template <class Self, class Visitor>
@@ -61,6 +71,7 @@ struct RunEvidence {
     visit_graph(self, v);
     visit_comparison("near", self.map.near, v);
     visit_comparison("far", self.map.far, v);
+    visit_shares("excess", self.excess, v);
     v("body_sectors", self.body_sectors);
   }
 
@@ -74,6 +85,7 @@ struct RunEvidence {
     v("points", self.points);
     v("on_map", self.on_map);
     v("lost", self.lost);
+    v("lost_unaided", self.lost_unaided);
     v("degraded", self.degraded);
     v("ambiguous", self.ambiguous);
     v("left_out", self.left_out);
@@ -83,7 +95,9 @@ struct RunEvidence {
     v("longest_gap_s", self.longest_gap_s);
     v("longest_gap_m", self.longest_gap_m);
     v("longest_gap_turn", self.longest_gap_turn);
+    v("unseen_ratio", self.unseen_ratio);
     v("jump", self.jump);
+    v("jump_ratio", self.jump_ratio);
     v("turn_jump", self.turn_jump);
     v("wheels", self.wheels);
     v("wheels_agreed", self.wheels_agreed);
@@ -98,13 +112,18 @@ struct RunEvidence {
     v("loops_per_keyframe", self.loops_per_keyframe);
     v("step_chi2", self.step_chi2);
     v("worst_step_chi2", self.worst_step_chi2);
+    v("step_chi2_tail", self.step_chi2_tail);
+    v("loop_chi2_tail", self.loop_chi2_tail);
+    v("bend_ratio", self.bend_ratio);
     v("step_bend_m", self.step_bend_m);
     v("step_bend_turn", self.step_bend_turn);
     v("loop_chi2", self.loop_chi2);
     v("worst_loop_chi2", self.worst_loop_chi2);
     v("refined_m", self.refined_m);
     v("worst_refined_m", self.worst_refined_m);
+    v("refined_ratio", self.refined_ratio);
     v("overlap", self.overlap);
+    v("no_overlap", self.no_overlap);
     v("kept", self.kept);
     v("expected_m", self.expected_m);
     v("worst_expected_m", self.worst_expected_m);
@@ -115,18 +134,24 @@ struct RunEvidence {
     v("beyond_drift", self.beyond_drift);
     v("alike", self.alike);
     v("inconsistent", self.inconsistent);
+    v("doubted", self.doubted);
+    v("unseen_doubted", self.unseen_doubted);
   }
   template <class Comparison, class Visitor>
   static void visit_comparison(const std::string& name, Comparison& c, Visitor& v) {
     v(name + "_scans", static_cast<double>(c.scans));
     v(name + "_contradicting", static_cast<double>(c.contradicting));
     v(name + "_doubling", static_cast<double>(c.doubling));
-    v(name + "_crossed", c.mean.crossed);
-    v(name + "_doubled", c.mean.doubled);
-    v(name + "_in_free", c.mean.in_free);
-    v(name + "_worst_crossed", c.worst.crossed);
-    v(name + "_worst_doubled", c.worst.doubled);
-    v(name + "_worst_in_free", c.worst.in_free);
+    visit_shares(name, c.mean, v);
+    visit_shares(name + "_worst", c.worst, v);
+    visit_shares(name + "_tail", c.tail, v);
+  }
+  template <class Shares, class Visitor>
+  static void visit_shares(const std::string& name, Shares& shares, Visitor& v) {
+    v(name + "_crossed", shares.crossed);
+    v(name + "_doubled", shares.doubled);
+    v(name + "_in_free", shares.in_free);
+    v(name + "_against", shares.against());
   }
 };
 
@@ -140,6 +165,8 @@ struct FinishedRun {
   bool deskew = true;
   RefinementFit fit;
   std::size_t body_sectors = 0;
+  ScanId wheels_scan = -1;   ///< of the result: the first at which wheels disagreed, -1: none
+  ScanId doubted_scan = -1;  ///< and at which a loop was rejected as one of places that look alike
 };
 
 /// @cost the map check, and O(scans + nodes + edges)

@@ -54,12 +54,14 @@ RunFinding own_body(const OwnBodyState& body, const SlamResult& result, const In
 }
 
 /// Loops that were rejected since places look alike that are not the same.
-RunFinding aliasing(const SlamResult& result) {
-  return {"aliasing", result.loops.rejected_beyond_drift + result.loops.rejected_alike, 0,
-          "places look alike that are not the same; what they suggest was rejected", -1};
+RunFinding aliasing(const SlamResult& result, const RunEvidence& evidence) {
+  return at_scan(result,
+                 {"aliasing", result.loops.rejected_beyond_drift + result.loops.rejected_alike, 0,
+                  "places look alike that are not the same; what they suggest was rejected", -1},
+                 evidence.doubted_scan);
 }
 
-RunFinding wheels(const SlamResult& result) {
+RunFinding wheels(const SlamResult& result, const RunEvidence& evidence) {
   const WheelCounts& counts = result.wheels;
   const std::size_t off = counts.slipped + counts.reversed + counts.jumped;
   RunFinding finding{"wheels", 0, 0, "", -1};
@@ -68,7 +70,7 @@ RunFinding wheels(const SlamResult& result) {
   finding.count = off;
   finding.what =
       "wheels and scans disagree in " + std::to_string(off) + " of " + std::to_string(counts.steps) + " steps";
-  return finding;
+  return at_scan(result, std::move(finding), evidence.wheels_scan);
 }
 
 RunFinding pieces(const SlamResult& result) {
@@ -129,9 +131,11 @@ RunFinding strongest(const SlamResult& result, const RunEvidence& evidence, cons
     finding.what = "visits of one place do not fit each other everywhere";
     return at_scan(result, std::move(finding), evidence.contradicted_scan);
   }
-  if (kind == "aliasing")
+  if (kind == "aliasing") {
     finding.what = "loops contradict each other";
-  else if (kind == "wheels")
+    return at_scan(result, std::move(finding), evidence.doubted_scan);
+  }
+  if (kind == "wheels")
     finding.what = "wheels and scans do not agree everywhere";
   else if (kind == "bad_scans")
     finding.what = "many scans do not fit the map well";
@@ -154,8 +158,8 @@ std::vector<RunFinding> run_findings(const SlamResult& result, const RunEvidence
   add(contradiction(result, evidence));
   add(doubled_walls(result, evidence));
   add(gaps(result, evidence));
-  add(wheels(result));
-  add(aliasing(result));
+  add(wheels(result, evidence));
+  add(aliasing(result, evidence));
   add(bad_scans(result));
   for (const auto& [laser, body] : bodies) add(own_body(body, result, input));
   const auto against = [&](const RunFinding& finding) {

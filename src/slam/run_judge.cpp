@@ -1,5 +1,6 @@
 #include "slam/run_judge.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "slam/run_evidence.hpp"
@@ -9,14 +10,27 @@
 namespace phasescan {
 namespace {
 
+/// The scan of a result with the stamp that a scan of the whole run has.
+ScanId scan_of_result(const SlamResult& result, const SlamResult& whole, ScanId scan) {
+  if (scan < 0 || &result == &whole) return scan;
+  const Stamp stamp = whole.scans[static_cast<std::size_t>(scan)].stamp;
+  const auto found =
+      std::find_if(result.scans.begin(), result.scans.end(), [stamp](const ScanResult& s) { return s.stamp == stamp; });
+  return found == result.scans.end() ? -1 : found - result.scans.begin();
+}
+
 /// Nodes that a result is drawn from, with their scans' poses in the frame of the whole run.
 /// @param part  -1: the whole run
-FinishedRun finished_run(const Backend& backend, bool refined, const SlamResult& whole, int part) {
+FinishedRun finished_run(const Backend& backend, const ScanLedger& ledger, bool refined, const SlamResult& whole,
+                         int part) {
   const SlamResult& result = part < 0 ? whole : whole.parts[static_cast<std::size_t>(part)];
   FinishedRun run;
   run.result = &result;
   run.backend = &backend;
   run.deskew = whole.deskewed;
+  run.wheels_scan = scan_of_result(result, whole, ledger.wheels_off);
+  if (const int node = backend.doubted_node(); node >= 0)
+    run.doubted_scan = scan_of_result(result, whole, backend.keyframes()[static_cast<std::size_t>(node)].scan);
   std::size_t of_result = 0;
   for (std::size_t i = 0; i < backend.keyframes().size(); ++i) {
     const Keyframe& keyframe = backend.keyframes()[i];
@@ -48,11 +62,12 @@ void judge_result(FinishedRun run, const RefinementFit& fit, const std::map<Lase
 
 }  // namespace
 
-void judge(const Backend& backend, const RefinementFit& fit, bool refined,
+void judge(const Backend& backend, const ScanLedger& ledger, const RefinementFit& fit, bool refined,
            const std::map<LaserId, OwnBodyState>& bodies, const InputCheckState& input, SlamResult& result) {
   for (std::size_t k = 0; k < result.parts.size(); ++k)
-    judge_result(finished_run(backend, refined, result, static_cast<int>(k)), fit, bodies, input, result.parts[k]);
-  judge_result(finished_run(backend, refined, result, -1), fit, bodies, input, result);
+    judge_result(finished_run(backend, ledger, refined, result, static_cast<int>(k)), fit, bodies, input,
+                 result.parts[k]);
+  judge_result(finished_run(backend, ledger, refined, result, -1), fit, bodies, input, result);
 }
 
 }  // namespace phasescan

@@ -12,6 +12,7 @@
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/odometry/odometry.hpp"
+#include "state/fields.hpp"
 
 namespace phasescan {
 
@@ -58,6 +59,7 @@ struct ScanLedger {
   std::vector<std::int32_t> breaks;    ///< keyframes at which a new local map was begun
   std::int32_t keyframes = 0;          ///< so far
   std::vector<std::int64_t> sessions;  ///< the first scan of each session but the first
+  std::int64_t wheels_off = -1;        ///< the first scan at which wheels said something else than it, -1: none
 
   /// The drive that a scan is of, from 0.
   std::size_t session_of(std::size_t scan) const {
@@ -72,6 +74,7 @@ struct ScanLedger {
     v("breaks", self.breaks);
     v("keyframes", self.keyframes);
     v("sessions", self.sessions);
+    visit_since(v, 3, "wheels_off", self.wheels_off);
   }
 };
 

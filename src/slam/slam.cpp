@@ -41,12 +41,20 @@ Keyframe to_keyframe(const TrackedKeyframe& tracked, ScanId scan) {
   return keyframe;
 }
 
+/// Steps of the wheels that say something else than the scans.
+std::size_t steps_off(const WheelCounts& wheels) {
+  return wheels.slipped + wheels.reversed + wheels.jumped;
+}
+
 }  // namespace
 
 ScanUpdate Slam::Impl::track(const RangeMeasurement& measurement, bool repeated) {
   if (repeated) return repeat(measurement);
   const ScanId scan = next_scan();
+  const std::size_t wheels_off = steps_off(tracker.state().motion.wheels.counts);
   const CheckedStep checked = tracker.add(measurement);
+  if (state.ledger.wheels_off < 0 && steps_off(tracker.state().motion.wheels.counts) > wheels_off)
+    state.ledger.wheels_off = scan;
   const TrackerStep& step = checked.step;
   const std::int32_t keyframes_before = state.ledger.keyframes;
   for (const SettledScan& settled : checked.settled) settle(settled);
@@ -326,7 +334,7 @@ SlamResult Slam::finish() {
   result.wheels = self.state.earlier.wheels;
   result.oddities = self.state.input.oddities;
   result.deskewed = options.odometry.deskew;
-  judge(backend, fit, refined, self.state.bodies, self.state.input, result);
+  judge(backend, ledger, fit, refined, self.state.bodies, self.state.input, result);
   self.backend_cpu_s = thread_cpu_seconds() - before;
   return result;
 }

@@ -54,6 +54,23 @@ TEST(MapCheck, AVisitThatStandsAsideDoublesTheWalls) {
   EXPECT_LT(found.near.mean.doubled, 0.1) << "neighbours on the way stand right to each other";
 }
 
+TEST(MapCheck, AFewScansThatStandAsideAreTheWorstPlaceAndNotTheTailOfALongRun) {
+  const Drive drive = rounds(900);
+  const auto scan_of = [&](std::size_t k) {
+    PlacedScan placed;
+    placed.scan = test::cast_room(drive.poses[k], 90, 0.01, 0.05, k + 1, 8.0);
+    placed.T_map_laser = k >= 450 && k < 456 ? Pose2{1.5, -1.0, 0.8} * drive.poses[k] : drive.poses[k];
+    return placed;
+  };
+  const MapCheck found = check_map(drive.poses.size(), scan_of, drive.way_m);
+  EXPECT_GT(found.far.worst.against(), 0.4);
+  EXPECT_LT(found.far.tail.against(), 0.5 * found.far.worst.against());
+  // Where it is much of the run, the two are alike.
+  const MapCheck half = check(rounds(80), {1.5, -1.0, 0.8});
+  EXPECT_GT(half.far.tail.against(), 0.8 * half.far.worst.against());
+  EXPECT_LE(half.far.tail.against(), half.far.worst.against() + 1e-12);
+}
+
 TEST(MapCheck, AVisitThatStandsFarOffGoesThroughWalls) {
   const MapCheck found = check(rounds(80), {1.5, -1.0, 0.8});
   EXPECT_GT(found.far.worst.crossed + found.far.worst.in_free, 0.4);

@@ -117,6 +117,36 @@ TEST(PathCovariance, NothingIsKnownAcrossABreak) {
   EXPECT_GT(path.between(0, 3)(0, 0), 4.0);
 }
 
+TEST(PathCovariance, SeenFromANodeWhatIsAheadIsKnownAsWellAsWhatLiesBehind) {
+  const std::vector<Pose2> poses = drive({{0, 0}, {12, 0}}, 0.3, 0.3);
+  const GraphSession session = driven(poses, Eigen::Vector3d(400.0, 900.0, 1e4).asDiagonal());
+  PathCovariance path;
+  path.rebuild(session);
+  const std::vector<double> sigmas = position_sigmas(session, 20);
+  ASSERT_EQ(sigmas.size(), poses.size());
+  EXPECT_EQ(sigmas[20], 0.0);
+  EXPECT_NEAR(sigmas[32], std::sqrt(path.between(20, 32).topLeftCorner<2, 2>().trace()), 1e-9);
+  EXPECT_GT(sigmas[32], sigmas[26]);
+  EXPECT_NEAR(sigmas[8], sigmas[32], 0.1 * sigmas[32]);
+}
+
+TEST(PathCovariance, ALoopThatIsFoundLateMakesKnownWhatLiesBeforeIt) {
+  GraphSession session((LoopOptions()));
+  for (int k = 0; k < 30; ++k) {
+    Keyframe keyframe;
+    keyframe.T_odom_base = {0.3 * k, 0.0, 0.0};
+    keyframe.information = Eigen::Vector3d(1e4, 1e4, 1e5).asDiagonal();
+    keyframe.new_segment = k == 10;
+    session.insert_node(std::move(keyframe));
+  }
+  EXPECT_GT(position_sigmas(session, 2)[12], 3.0) << "nothing is known across the break";
+  session.add_loop(small_loop(2, 29, {8.1, 0.0, 0.0}));
+  EXPECT_LT(position_sigmas(session, 2)[12], 0.2);
+  PathCovariance forward;
+  forward.rebuild(session);
+  EXPECT_GT(std::sqrt(forward.between(2, 12)(0, 0)), 3.0) << "what is taken in order cannot know it";
+}
+
 /// A hall with a pillar every 4 m: from where no wall is in reach all places look the same.
 std::vector<Wall> pillar_hall() {
   std::vector<Wall> walls;
@@ -139,6 +169,9 @@ TEST(RepeatingPlaces, PillarsThatAreAllAlikeDoNotMoveTheMap) {
   const LoopCounts loops = backend.loop_counts();
   EXPECT_GT(loops.places, 20U) << "they do look alike";
   EXPECT_GT(loops.rejected_beyond_drift + loops.rejected_alike, 10U);
+  // The first place that looks like another one cannot be seen before there are two pillars behind the robot.
+  EXPECT_GT(backend.doubted_node(), 8);
+  EXPECT_LT(backend.doubted_node(), static_cast<int>(tour.size()));
   double worst = 0.0;
   for (std::size_t k = 0; k < tour.size(); ++k)
     worst = std::max(worst, translation_distance(backend.poses()[k], tour[k]));

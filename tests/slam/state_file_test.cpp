@@ -150,7 +150,8 @@ TEST(StateFile, AFileOfTheFirstVersionIsRead) {
   EXPECT_EQ(summary.scans, 38u);
   EXPECT_EQ(summary.drives, 2);
   EXPECT_EQ(summary.keyframes, 13u);
-  EXPECT_EQ(run.state.data().frame_session, 0);  // came with version 2
+  EXPECT_EQ(run.state.data().frame_session, 0);       // came with version 2
+  EXPECT_EQ(run.state.data().ledger.wheels_off, -1);  // with version 3
   Slam slam(run.state, run.options);
   const SlamResult result = slam.finish();
   ASSERT_EQ(result.scans.size(), 38u);

@@ -48,10 +48,22 @@ TEST(Verdict, WhatSpeaksAgainstAMapNeverMakesItBetter) {
     change(e);
     return judge_run(e, false).verdict.probability;
   };
-  EXPECT_LT(worse([](RunEvidence& e) { e.map.far.worst.crossed = 0.8, e.map.far.worst.in_free = 0.8; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.map.far.tail.crossed = 0.8, e.map.far.tail.in_free = 0.8; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.excess.crossed = 0.3, e.excess.in_free = 0.3; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.lost_unaided = 0.4, e.unseen_ratio = 30.0; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.step_chi2_tail = 30.0, e.unseen_doubted = 10.0; }), 0.95);
   EXPECT_LT(worse([](RunEvidence& e) { e.expected_ratio = 10.0; }), 0.95);
   EXPECT_LT(worse([](RunEvidence& e) { e.off_map = 0.4, e.breaks = 4.0; }), 0.95);
   EXPECT_LE(worse([](RunEvidence& e) { e.wheels_slipped = 0.5; }), best);
+}
+
+TEST(Verdict, OneBadPlaceOfALongRunIsNoBadMap) {
+  // What only an extreme over all keyframes shows is told, and not weighed.
+  const double best = judge_run(faultless(), false).verdict.probability;
+  RunEvidence e = faultless();
+  e.map.far.worst = {0.5, 0.3, 0.2};
+  e.step_bend_m = 0.3, e.worst_step_chi2 = 20.0, e.worst_loop_chi2 = 60.0, e.jump = 8.0, e.longest_gap_m = 3.0;
+  EXPECT_EQ(judge_run(e, false).verdict.probability, best);
 }
 
 TEST(Verdict, ARunOfWhichHalfIsOnNoMapHasFailed) {
@@ -79,6 +91,7 @@ TEST(Verdict, AWholeRunKnowsItsNumbers) {
   EXPECT_EQ(e.at("lost"), 0.0);
   EXPECT_EQ(e.at("pieces"), 1.0);
   EXPECT_EQ(e.at("gaps"), 0.0);
+  EXPECT_LT(e.at("jump_ratio"), 0.2);
   EXPECT_NEAR(e.at("duration_s"), 149 * 0.18, 1e-6);
   double way = 0.0;
   for (std::size_t i = 1; i < 150; ++i) way += translation_distance(log.truth[i - 1], log.truth[i]);
@@ -116,6 +129,35 @@ TEST(Verdict, AGapIsToldWithItsPlace) {
   EXPECT_EQ(gaps[0].scan, 79);
 }
 
+TEST(Verdict, AStepThatNoRobotMakesIsAJump) {
+  testing::ToyLog log = testing::turning_lidar_log(150);
+  // Twelve scans are gone and the clock does not show it: 0.9 m in one step of 0.18 s.
+  log.measurements.erase(log.measurements.begin() + 60, log.measurements.begin() + 72);
+  for (std::size_t i = 60; i < log.measurements.size(); ++i)
+    log.measurements[i].scan.stamp -= stamp_from_seconds(12 * 0.18);
+  const double far = translation_distance(log.truth[59], log.truth[72]);
+  const auto e = run(log).verdict.evidence;
+  EXPECT_LT(e.at("longest_gap_m"), 0.5) << "there is no gap in time";
+  EXPECT_GT(e.at("jump_ratio"), 0.5 * far / 0.2);
+  EXPECT_LT(e.at("jump_ratio"), far / 0.2);
+}
+
+TEST(Verdict, WheelsThatAgreeAnswerForScansThatWereLost) {
+  testing::ToyLog without = testing::turning_lidar_log(150), with = without;
+  for (std::size_t i = 0; i < with.measurements.size(); ++i) with.measurements[i].T_odom_base = with.truth[i];
+  for (testing::ToyLog* log : {&without, &with})
+    log->measurements.erase(log->measurements.begin() + 80, log->measurements.begin() + 110);
+  const auto alone = run(without).verdict.evidence, aided = run(with).verdict.evidence;
+  EXPECT_NEAR(alone.at("unseen_ratio"), alone.at("longest_gap_s") * alone.at("way_m") / alone.at("duration_s") / 0.2,
+              1e-9);
+  EXPECT_LT(aided.at("unseen_ratio"), 0.2 * alone.at("unseen_ratio"));
+  // Wheels that jump elsewhere answer for no gap.
+  with.measurements[20].T_odom_base = Pose2{50.0, 0.0, 0.0};
+  const auto jumped = run(with).verdict.evidence;
+  EXPECT_GT(jumped.at("wheels_agreed"), 0.9);
+  EXPECT_GT(jumped.at("unseen_ratio"), 0.9 * alone.at("unseen_ratio"));
+}
+
 TEST(Verdict, DrivesThatNothingTiesAreInPieces) {
   const testing::ToyLog one = testing::turning_lidar_log(60);
   Slam slam;
@@ -144,6 +186,23 @@ TEST(Verdict, WheelsThatSlipAreAReason) {
   const auto wheels = findings_of(result, "wheels");
   ASSERT_EQ(wheels.size(), 1u);
   EXPECT_EQ(wheels[0].count, result.wheels.slipped + result.wheels.reversed + result.wheels.jumped);
+  // They count backwards from scan 31 on.
+  EXPECT_GE(wheels[0].scan, 31);
+  EXPECT_LE(wheels[0].scan, 33);
+  EXPECT_EQ(wheels[0].first_stamp, result.scans[static_cast<std::size_t>(wheels[0].scan)].stamp);
+}
+
+TEST(Verdict, TheScanAtWhichWheelsSlippedFirstIsKeptInAState) {
+  const testing::ToyLog log = testing::wheels_log(120);
+  Slam first;
+  for (std::size_t i = 0; i < 70; ++i) first.add(log.measurements[i]);
+  Slam second(first.checkpoint(), SlamOptions{});
+  for (std::size_t i = 70; i < 120; ++i) second.add(log.measurements[i]);
+  const auto whole = findings_of(run(log), "wheels"), resumed = findings_of(second.finish(), "wheels");
+  ASSERT_EQ(whole.size(), 1u);
+  ASSERT_EQ(resumed.size(), 1u);
+  EXPECT_GE(whole[0].scan, 31);
+  EXPECT_EQ(whole[0].scan, resumed[0].scan);
 }
 
 }  // namespace
