@@ -163,6 +163,21 @@ TEST(StateFile, AFileOfTheFirstVersionIsRead) {
   EXPECT_TRUE(to_bytes(again.state.data()) == to_bytes(run.state.data()));
 }
 
+// Two drives through a room, 27 scans with wheels and 16 without, `slam --beam-step 4`.
+TEST(StateFile, AFileOfTheSecondVersionIsRead) {
+  const SavedRun run = read_state(test::source_dir() + "/tests/data/state-v2.state");
+  EXPECT_EQ(run.version, 2u);
+  EXPECT_EQ(summarize(run.state).scans, 43u);
+  EXPECT_EQ(summarize(run.state).drives, 2);
+  EXPECT_EQ(run.state.data().ledger.wheels_off, -1);  // came with version 3
+  const SlamResult result = Slam(run.state, run.options).finish();
+  ASSERT_EQ(result.scans.size(), 43u);
+  EXPECT_EQ(result.wheels.steps, 26u);
+  const SavedRun again = decode_state(encode_state(run));
+  EXPECT_EQ(again.version, kStateFileVersion);
+  EXPECT_TRUE(to_bytes(again.state.data()) == to_bytes(run.state.data()));
+}
+
 struct Grown {
   int old_field = 0, new_field = 7;
   template <class Self, class Visitor>
