@@ -111,14 +111,14 @@ int run_bench_drives(const BenchLocalizeFlags& flags, const LocalizeOptions& opt
   progress.end();
   const StartsScore t = score_of(s.starts);
   std::string line = fmt::format(
-      "{{\"worlds\": {}, \"kidnapped\": {}, \"noticed_late\": {}, \"recovered\": {}, \"recovery_s_mean\": {:.2f}, \"wrong_ok_over_1s\": {}, "
-      "\"begun\": {}, \"begun_found\": {}, \"begun_ambiguous\": {}, \"begun_ambiguous_found\": {}, \"scans\": {}, \"way_m\": {:.0f}, "
+      "{{\"worlds\": {}, \"wrong_maps\": {}, \"kidnapped\": {}, \"noticed_late\": {}, \"recovered\": {}, \"recovery_s_mean\": {:.2f}, \"wrong_ok_over_1s\": {}, "
+      "\"begun\": {}, \"begun_found\": {}, \"begun_ambiguous\": {}, \"begun_ambiguous_found\": {}, \"off_map\": {}, \"off_map_wrong_ok\": {}, \"scans\": {}, \"way_m\": {:.0f}, "
       "\"ok\": {}, \"right_ok\": {}, \"wrong_ok\": {}, \"degraded\": {}, \"ambiguous\": {}, \"lost\": {}, \"median_m\": {:.4f}, "
       "\"longest_lost_s\": {:.1f}, \"longest_wrong_ok_s\": {:.1f}",
-      spec.worlds.size(), t.kidnapped, t.noticed_late, t.recovered, t.recovery_s_mean, t.wrong_ok_long, t.begun,
-      t.begun_found, t.begun_ambiguous, t.begun_ambiguous_found, s.scans, s.way_m, s.ok, s.right_ok, s.wrong_ok,
-      s.degraded, s.ambiguous, s.lost, s.errors_m.empty() ? 0.0 : quantile(s.errors_m, 0.5), s.longest_lost_s,
-      s.longest_wrong_ok_s);
+      spec.worlds.size(), s.wrong_maps, t.kidnapped, t.noticed_late, t.recovered, t.recovery_s_mean, t.wrong_ok_long,
+      t.begun, t.begun_found, t.begun_ambiguous, t.begun_ambiguous_found, s.off_map, s.off_map_wrong_ok, s.scans,
+      s.way_m, s.ok, s.right_ok, s.wrong_ok, s.degraded, s.ambiguous, s.lost,
+      s.errors_m.empty() ? 0.0 : quantile(s.errors_m, 0.5), s.longest_lost_s, s.longest_wrong_ok_s);
   if (!flags.common.no_times && !s.cpu_ms.empty())
     line += fmt::format(", \"ms_p50\": {:.3f}, \"ms_p99\": {:.3f}", quantile(s.cpu_ms, 0.5), quantile(s.cpu_ms, 0.99));
   print(line + "}\n");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "eval/statistics.hpp"
 #include "eval/trajectory_error.hpp"
 #include "phasescan/slam/slam.hpp"
 #include "sim/drive.hpp"
@@ -16,6 +17,12 @@
 #include "sim/world_file.hpp"
 
 namespace phasescan {
+
+bool stands_on_map(const TrinaryMap& map, const Pose2& T_map_base) {
+  const Eigen::Vector2d p = map.origin.inverse() * T_map_base.translation() / map.resolution_m;
+  const auto i = static_cast<int>(std::floor(p.x())), k = static_cast<int>(std::floor(p.y()));
+  return i >= 0 && k >= 0 && i < map.width && k < map.height && map.at(i, k) == CellState::kFree;
+}
 
 std::vector<std::size_t> wipe_rooms(double share, std::uint64_t seed, MappedWorld& mapped) {
   constexpr double kWallM = 0.2;
@@ -63,7 +70,12 @@ MappedWorld map_world(const std::string& name, const sim::LidarOptions& lidar, s
     poses.estimate.push_back(result.scans[i].T_map_base);
     poses.reference.push_back(truth[i]);
   }
-  mapped.T_map_world = align_se2(poses).inverse();
+  const Pose2 T_world_map = align_se2(poses);
+  mapped.T_map_world = T_world_map.inverse();
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < poses.estimate.size(); ++i)
+    errors.push_back(translation_distance(T_world_map * poses.estimate[i], poses.reference[i]));
+  mapped.error_m = quantile(errors, 0.95);
   return mapped;
 }
 
@@ -136,13 +148,6 @@ double clearance_at(const TrinaryMap& map, std::size_t cell, double limit_m) {
     }
   }
   return nearest;
-}
-
-/// Whether the drive has seen that a robot can stand there: rooms that it never looked into are not on the map.
-bool stands_on_map(const TrinaryMap& map, const Pose2& T_map_base) {
-  const Eigen::Vector2d p = map.origin.inverse() * T_map_base.translation() / map.resolution_m;
-  const auto i = static_cast<int>(std::floor(p.x())), k = static_cast<int>(std::floor(p.y()));
-  return i >= 0 && k >= 0 && i < map.width && k < map.height && map.at(i, k) == CellState::kFree;
 }
 
 /// Where a ray leaves the map's free and unknown cells, by small steps; 0 within range.

@@ -14,6 +14,7 @@
 namespace phasescan {
 namespace {
 
+constexpr double kWrongMapM = 0.1;
 constexpr double kWayM = 2.0;                                    // after which a robot should know its place again
 constexpr double kElsewhereM = 3.0;                              // a kidnapped robot is carried at least so far
 constexpr double kWrongM = 0.5, kWrongRad = 10.0 * kPi / 180.0;  // another place, not an inexact pose
@@ -87,9 +88,9 @@ class DriveFollower {
       drive_options.people = spec_.people;
       const std::uint64_t own = Random::derive(seed, 10 + tries);
       sim::Drive drive(world_.world, lidar, sim::Path(world_.world, path, own), drive_options, own);
-      if (segment > 0 &&
-          translation_distance(world_.T_map_world * drive.path().pose_at(0.0), last_truth_) < kElsewhereM)
-        continue;
+      const Pose2 first = world_.T_map_world * drive.path().pose_at(0.0);
+      if (!stands_on_map(world_.map, first)) continue;
+      if (segment > 0 && translation_distance(first, last_truth_) < kElsewhereM) continue;
       begin(segment++ > 0);
       follow(drive, -std::log(std::max(1e-9, random.uniform())) / spec_.kidnaps_per_m);
     }
@@ -117,7 +118,7 @@ class DriveFollower {
       last_stamp_ = measurement.scan.stamp;
       last_truth_ = truth;
       add(measurement, truth, step);
-      if (spec_.starts_every_m > 0.0 && until_start <= 0.0) {
+      if (spec_.starts_every_m > 0.0 && until_start <= 0.0 && stands_on_map(world_.map, truth)) {
         until_start = spec_.starts_every_m;
         fresh_.push_back(std::make_unique<FreshStart>(FreshStart{Localizer(map_, options_), StartWatch(false)}));
       }
@@ -150,6 +151,12 @@ class DriveFollower {
   void count(const LocalizationUpdate& update, const Pose2& truth, double step) {
     const double t = stamp_to_seconds(update.stamp);
     const bool ok = update.status == TrackingStatus::kOk && update.T_map_base;
+    if (!stands_on_map(world_.map, truth)) {
+      ++score_.off_map;
+      score_.off_map_wrong_ok += ok && is_elsewhere(*update.T_map_base, truth);
+      wrong_since_.reset(), lost_since_.reset();
+      return;
+    }
     ++score_.scans;
     score_.way_m += step;
     score_.ok += ok;
@@ -221,6 +228,11 @@ LocalizeRunsScore run_drives(const LocalizeRunsSpec& spec, const LocalizeOptions
   for (const std::string& name : spec.worlds) {
     const std::uint64_t seed = Random::derive(spec.seed, ++number);
     MappedWorld mapped = map_world(name, lidar, seed);
+    if (!(mapped.error_m < kWrongMapM)) {  // what is found on it would not be right where it is right on the map
+      ++score.wrong_maps;
+      progress();
+      continue;
+    }
     if (spec.unmapped > 0.0) wipe_rooms(spec.unmapped, Random::derive(seed, 4), mapped);
     const LocalizationMap map = LocalizationMap::from_grid(mapped.map, options);
     if (spec.moved > 0.0)

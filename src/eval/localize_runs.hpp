@@ -35,8 +35,10 @@ struct UnknownStart {
 };
 
 struct LocalizeRunsScore {
+  std::size_t wrong_maps = 0;  ///< worlds left out: their map is off by more than a pose may be
   std::vector<UnknownStart> starts;
   // Scans more than 2 m of way after an unknown start.
+  std::size_t off_map = 0, off_map_wrong_ok = 0;  ///< where the map has no free space: not counted below
   std::size_t scans = 0, ok = 0, wrong_ok = 0, right_ok = 0, degraded = 0, ambiguous = 0, lost = 0;
   double way_m = 0.0;
   std::vector<double> errors_m;     ///< of poses that are ok
