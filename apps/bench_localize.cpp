@@ -1,12 +1,17 @@
 // phasescan bench localize: single scans on maps that SLAM made, or cast on maps of others.
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "command_list.hpp"
 #include "commands.hpp"
 #include "eval/localize_bench.hpp"
+#include "eval/localize_places_file.hpp"
+#include "eval/localize_runs.hpp"
+#include "eval/localize_yardstick.hpp"
 #include "io/file.hpp"
 #include "output/map_file.hpp"
 #include "phasescan/core/time.hpp"
@@ -19,10 +24,13 @@ struct BenchLocalizeFlags {
   CommonFlags common;
   SimulatedPlacesSpec simulated;
   CastPlacesSpec cast;
-  std::string map, cases;
+  std::string map, cases, places;
+  bool yardstick = false, runs = false;
+  LocalizeRunsSpec drives;
 };
 
 LocalizePlaces make_places(const BenchLocalizeFlags& flags) {
+  if (!flags.places.empty() && has_places(flags.places)) return read_places(flags.places);
   if (!flags.map.empty()) {
     CastPlacesSpec spec = flags.cast;
     spec.poses = flags.simulated.poses;
@@ -37,6 +45,11 @@ LocalizePlaces make_places(const BenchLocalizeFlags& flags) {
   return simulated_places(spec, [&] { progress.step(++done); });
 }
 
+double largest_sigma_m(const Eigen::Matrix3d& covariance) {
+  const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
+  return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position).eigenvalues().maxCoeff()));
+}
+
 /// A line per case: what the confidence is fitted on.
 std::string case_lines(const std::vector<LocalizeCase>& cases, const std::vector<LocalizeRow>& rows) {
   std::string text;
@@ -47,17 +60,20 @@ std::string case_lines(const std::vector<LocalizeCase>& cases, const std::vector
     const Pose2& truth = cases[i].T_map_base;
     nlohmann::ordered_json line{{"status", to_string(u.status)},
                                 {"right", rows[i].right()},
+                                {"mapped", rows[i].mapped},
                                 {"named", rows[i].named},
                                 {"error_m", rows[i].error_m},
                                 {"error_deg", rad_to_deg(rows[i].error_rad)},
                                 {"confidence", u.confidence},
                                 {"second", second.confidence},
                                 {"explained", u.fit.explained},
+                                {"unmapped", u.fit.unmapped},
                                 {"contradicting", u.fit.contradicting},
                                 {"log_likelihood", u.fit.log_likelihood},
                                 {"margin", u.margin},
                                 {"sigma_x", std::sqrt(u.covariance(0, 0))},
                                 {"sigma_y", std::sqrt(u.covariance(1, 1))},
+                                {"sigma_m", largest_sigma_m(u.covariance)},
                                 {"hits", cases[i].measurement.scan.hit_count()},
                                 {"truth", {truth.x, truth.y, truth.theta}},
                                 {"ms", rows[i].ms}};
@@ -66,11 +82,56 @@ std::string case_lines(const std::vector<LocalizeCase>& cases, const std::vector
   return text;
 }
 
+/// The exhaustive search on the same scans, as a part of the result's line.
+std::string yardstick_part(const LocalizationMap& map, const std::vector<LocalizeCase>& cases,
+                           const std::vector<LocalizeRow>& rows, const LocalizeOptions& options, bool no_times) {
+  Progress progress("exhaustive search", cases.size());
+  const auto yardstick = measure_all(map, cases, options, [&](std::size_t done) { progress.step(done); });
+  progress.end();
+  const YardstickScore s = compare(yardstick, rows, options.ambiguous_gap);
+  std::string text = fmt::format(
+      ", \"yardstick\": {{\"n\": {}, \"truth_among\": {}, \"ambiguous\": {}, \"our_ambiguous\": {}, \"clear\": {}, "
+      "\"clear_right\": {}, \"clear_our_right\": {}, \"clear_our_right_ok\": {}, \"clear_our_wrong_ok\": {}, \"missed\": {}",
+      s.n, s.truth_among, s.ambiguous, s.our_ambiguous, s.clear, s.clear_right, s.clear_our_right, s.clear_our_right_ok,
+      s.clear_our_wrong_ok, s.missed);
+  if (!no_times) text += fmt::format(", \"s_p50\": {:.2f}, \"s_most\": {:.1f}", s.s_p50, s.s_most);
+  return text + "}";
+}
+
+/// Drives, as one line of JSON.
+int run_bench_drives(const BenchLocalizeFlags& flags, const LocalizeOptions& options) {
+  LocalizeRunsSpec spec = flags.drives;
+  spec.worlds = flags.simulated.worlds;
+  if (spec.worlds.empty()) spec.worlds = {"flat:1"};
+  spec.sensor = flags.simulated.sensor, spec.moved = flags.simulated.moved, spec.people = flags.simulated.people;
+  spec.unmapped = flags.simulated.unmapped, spec.seed = flags.common.seed;
+  Progress progress("worlds", spec.worlds.size());
+  std::size_t done = 0;
+  const LocalizeRunsScore s = run_drives(spec, options, [&] { progress.step(++done); });
+  progress.end();
+  const StartsScore t = score_of(s.starts);
+  std::string line = fmt::format(
+      "{{\"worlds\": {}, \"wrong_maps\": {}, \"kidnapped\": {}, \"noticed_late\": {}, \"recovered\": {}, \"recovery_s_mean\": {:.2f}, \"wrong_ok_over_1s\": {}, "
+      "\"begun\": {}, \"begun_found\": {}, \"begun_ambiguous\": {}, \"begun_ambiguous_found\": {}, \"off_map\": {}, \"off_map_wrong_ok\": {}, \"scans\": {}, \"way_m\": {:.0f}, "
+      "\"ok\": {}, \"right_ok\": {}, \"wrong_ok\": {}, \"degraded\": {}, \"ambiguous\": {}, \"lost\": {}, \"median_m\": {:.4f}, "
+      "\"longest_lost_s\": {:.1f}, \"longest_wrong_ok_s\": {:.1f}",
+      spec.worlds.size(), s.wrong_maps, t.kidnapped, t.noticed_late, t.recovered, t.recovery_s_mean, t.wrong_ok_long,
+      t.begun, t.begun_found, t.begun_ambiguous, t.begun_ambiguous_found, s.off_map, s.off_map_wrong_ok, s.scans,
+      s.way_m, s.ok, s.right_ok, s.wrong_ok, s.degraded, s.ambiguous, s.lost,
+      s.errors_m.empty() ? 0.0 : quantile(s.errors_m, 0.5), s.longest_lost_s, s.longest_wrong_ok_s);
+  if (!flags.common.no_times && !s.cpu_ms.empty())
+    line += fmt::format(", \"ms_p50\": {:.3f}, \"ms_p99\": {:.3f}", quantile(s.cpu_ms, 0.5), quantile(s.cpu_ms, 0.99));
+  print(line + "}\n");
+  return kDone;
+}
+
 int run_bench_localize(const BenchLocalizeFlags& flags) {
   const Config config = config_from(flags.common);
+  if (flags.runs) return run_bench_drives(flags, config.localize);
   std::optional<AtomicFile> file;
   if (!flags.cases.empty()) file.emplace(flags.cases);
   const LocalizePlaces places = make_places(flags);
+  if (!flags.places.empty() && !has_places(flags.places)) write_places(flags.places, places);
   const double cpu = thread_cpu_seconds();
   const LocalizationMap map = LocalizationMap::from_grid(places.map, config.localize);
   const double prepared_s = thread_cpu_seconds() - cpu;
@@ -81,19 +142,47 @@ int run_bench_localize(const BenchLocalizeFlags& flags) {
   const LocalizeScore s = score_of(rows);
   std::string line = fmt::format(
       "{{\"map\": \"{}\", \"free_m2\": {:.0f}, \"n\": {}, \"right\": {}, \"within_0.5m\": {}, \"ok\": {}, \"right_ok\": {}, \"wrong_ok\": {}, "
-      "\"ambiguous\": {}, \"ambiguous_named\": {}, \"lost\": {}, \"median_m\": {:.4f}, \"median_deg\": {:.3f}, \"calibration_error\": {:.4f}",
+      "\"ambiguous\": {}, \"ambiguous_named\": {}, \"degraded\": {}, \"wrong_degraded\": {}, \"unmapped\": {}, \"lost\": {}, \"median_m\": {:.4f}, \"median_deg\": {:.3f}, \"calibration_error\": {:.4f}",
       places.name, map.free_area_m2(), s.n, s.right, s.within_half_m, s.ok, s.right_ok, s.wrong_ok, s.ambiguous,
-      s.ambiguous_named, s.lost, s.median_m, s.median_deg, s.calibration_error);
+      s.ambiguous_named, s.degraded, s.wrong_degraded, s.unmapped, s.lost, s.median_m, s.median_deg,
+      s.calibration_error);
+  line += ", \"reliability\": [";
+  for (const ReliabilityBin& bin : s.reliability)
+    line += fmt::format("{}[{:.3f}, {:.3f}, {}]", line.back() == '[' ? "" : ", ", bin.confidence, bin.right, bin.n);
+  line += "]";
   if (!flags.common.no_times) {
     line += fmt::format(", \"ms_p50\": {:.2f}, \"ms_p99\": {:.2f}, \"prepare_ms\": {:.0f}, \"map_mib\": {:.1f}",
                         s.ms_p50, s.ms_p99, 1e3 * prepared_s, static_cast<double>(map.memory_bytes()) / (1 << 20));
   }
+  if (flags.yardstick) line += yardstick_part(map, places.cases, rows, config.localize, flags.common.no_times);
   if (file) {
     file->write(case_lines(places.cases, rows));
     file->commit();
   }
   print(line + "}\n");
   return kDone;
+}
+
+/// What is other than when the map was made, and what is done beside single scans.
+void add_change_flags(CLI::App* command, BenchLocalizeFlags& flags) {
+  const CLI::Range share(0.0, 1.0);
+  command->add_option("--moved", flags.simulated.moved, "share of furniture and doors elsewhere than on the map")
+      ->type_name("SHARE")
+      ->check(share);
+  command->add_option("--people", flags.simulated.people, "most people that stand about")
+      ->type_name("N")
+      ->check(CLI::Range(0, 100));
+  command
+      ->add_option("--unmapped", flags.simulated.unmapped, "share of the scans from rooms that are wiped from the map")
+      ->type_name("SHARE")
+      ->check(share);
+  command->add_flag("--runs", flags.runs, "drives instead of single scans: kidnapped, begun anywhere, tracked");
+  command->add_option("--kidnaps", flags.drives.kidnaps, "with --runs: times that the robot is carried away, a world")
+      ->type_name("N")
+      ->check(CLI::Range(0, 10000))
+      ->capture_default_str();
+  command->add_flag("--yardstick", flags.yardstick,
+                    "also search exhaustively, to know what each scan can tell: seconds a scan");
 }
 
 }  // namespace
@@ -116,7 +205,12 @@ void add_bench_localize_command(CLI::App& app, CommandBody& body) {
       ->type_name("N")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
+  command
+      ->add_option("--places", flags->places,
+                   "keep the map and its scans in this folder; where they are there, they are read instead of made")
+      ->type_name("DIR");
   command->add_option("--cases", flags->cases, "write a line per scan to this file")->type_name("FILE");
+  add_change_flags(command, *flags);
   add_seed_flag(*command, flags->common);
   add_config_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);

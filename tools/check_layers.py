@@ -36,7 +36,7 @@ output       core scan map match methods slam io
 report       core scan match map slam localize output io
 serve        core scan map odometry slam localize io live output
 foxglove     core scan map slam localize io live serve
-eval         core scan match fft_icp methods odometry slam localize sim config output report io
+eval         core scan match fft_icp methods odometry map slam localize sim config output report io
 """
 # Around the core: tests of any folder may use these to make and read their inputs.
 TOOLS = {"io", "sim", "config", "output", "eval"}

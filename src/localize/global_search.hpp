@@ -21,7 +21,7 @@ inline constexpr double kApartM = 0.5, kApartRad = 10.0 * kPi / 180.0;
 bool is_apart(const Pose2& a, const Pose2& b);
 
 struct SearchEffort {
-  std::size_t candidates = 500, finalists = 16;
+  std::size_t candidates = 300, finalists = 10;
 };
 
 struct GlobalSearchWorkspace {

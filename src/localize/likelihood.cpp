@@ -12,6 +12,7 @@ constexpr float kThroughLog = -4.6F;      // a ray through a surface of the map:
 constexpr float kWithinCells = 0.6F;      // standard deviation of a surface within the cells that show it
 constexpr float kBeforeHitM = 0.3F;       // a surface counts as passed where it lies so much nearer than the hit
 constexpr float kSigmasExplained = 2.5F;  // of a hit that lies on the map
+constexpr float kAsideCells = 1.5F;       // of the rays beside one
 constexpr float kBeginM = 0.1F;           // rays begin so far from the laser: it may stand in a drawn cell
 
 }  // namespace
@@ -22,6 +23,15 @@ float map_variance(const MapGrid& grid) {
 }
 
 namespace {
+
+/// Whether a ray went through a surface of the map: rays a little to either side are stopped as well. Else it passed an
+/// edge, a speck or a wall that it runs along, where cells are not exact.
+bool goes_through(const MapGrid& grid, float x, float y, float dx, float dy, float most) {
+  if (grid.cast(x, y, dx, dy, most) >= most) return false;
+  const float aside = kAsideCells * grid.cell_m;
+  return grid.cast(x - aside * dy, y + aside * dx, dx, dy, most) < most &&
+         grid.cast(x + aside * dy, y - aside * dx, dx, dy, most) < most;
+}
 
 /// Over squared distances in variances, in steps of 1/8.
 struct HitTable {
@@ -72,7 +82,7 @@ MapFit fit_to_map(const MapGrid& grid, const JudgedBeams& beams, const Pose2& T,
     if (through && beams.range[i] > kBeforeHitM + kBeginM) {
       const float dx = c * beams.dx[i] - s * beams.dy[i], dy = s * beams.dx[i] + c * beams.dy[i];
       const float most = beams.range[i] - kBeforeHitM - kBeginM;
-      passed = grid.cast(ox + kBeginM * dx, oy + kBeginM * dy, dx, dy, most) < most;
+      passed = goes_through(grid, ox + kBeginM * dx, oy + kBeginM * dy, dx, dy, most);
     }
     const bool on = distance * distance < kSigmasExplained * kSigmasExplained * variance;
     if (passed) {

@@ -17,10 +17,12 @@ namespace {
 
 // A scan from so far away, or turned so far, is another view: what it says is new.
 constexpr double kNewViewM = 0.25, kNewViewRad = 0.35;
-constexpr double kViewShare = 0.5;   // of a view's log-likelihood that counts: views overlap
-constexpr double kKeepGap = 18.0;    // hypotheses this far behind are dropped
-constexpr double kViewMargin = 4.0;  // a view that fits a lone hypothesis makes it surer by this
-constexpr double kPoorShare = 0.6;   // of the usual share of hits explained: less is a poor fit
+constexpr double kViewShare = 0.5;  // of a view's log-likelihood that counts: views overlap
+constexpr double kKeepGap = 18.0;   // hypotheses this far behind are dropped
+// A view that fits a lone hypothesis makes it surer, where it fits better than a place in a room that the map has not,
+// which explains half of most scans.
+constexpr double kViewMargin = 4.0, kNeutralExplained = 0.58, kMarginPerShare = 40.0;
+constexpr double kPoorShare = 0.6;  // of the usual share of hits explained: less is a poor fit
 constexpr double kLeastExplained = 0.35;
 constexpr double kMemory = 0.97;
 constexpr double kClearlyBetter = 10.0;  // of log-likelihood, for a pose elsewhere to be taken instead
@@ -29,6 +31,21 @@ constexpr int kLostAfterScans = 10;
 // Odometry is off by this a step beside a share of it [m], [rad].
 constexpr double kStepM = 0.01, kStepRad = 0.005, kStepShare = 0.1;
 constexpr int kSearchEveryScans = 5;  // while lost
+
+constexpr double kNever = 1e9;
+constexpr double kFollowedM = 10.0;    // a pose that was ok and was followed since is not lost for so long
+constexpr double kVerifyEveryM = 5.0;  // a pose that is ok is compared with the whole map
+constexpr double kNarrowRad = 5.0;     // a scan narrower than this is another view once it is turned
+
+double view_margin(const MapFit& fit) {
+  const double beyond = fit.explained - kNeutralExplained - 0.5 * fit.contradicting;
+  return std::clamp(kMarginPerShare * beyond, 0.0, kViewMargin);
+}
+
+double field_of_view(const Scan& scan) {
+  const std::size_t n = scan.size();
+  return n > 1 ? static_cast<double>(n) * std::abs(scan.angle(1) - scan.angle(0)) : 0.0;
+}
 
 struct State {
   HypothesisSet set;
@@ -39,6 +56,7 @@ struct State {
   Stamp poor_since = 0;
   int poor_scans = 0;
   int scans_since_search = 0;
+  double way_since_ok = kNever;  ///< along one hypothesis
   bool located = false;
   ScanId scans = 0;
 };
@@ -122,7 +140,7 @@ bool Localizer::Impl::fits_poorly(const OdometryUpdate& odometry_update) const {
 bool Localizer::Impl::wants_search(bool poor, TrackingStatus status) const {
   if (state.set.empty()) return state.scans_since_search == 0 || state.scans_since_search >= kSearchEveryScans;
   if (poor) return state.poor_scans <= 2 || state.scans_since_search >= kSearchEveryScans;
-  return status != TrackingStatus::kOk && state.way_since_search > options.search_every_m;
+  return state.way_since_search > (status == TrackingStatus::kOk ? kVerifyEveryM : options.search_every_m);
 }
 
 void Localizer::Impl::search(const QueryScan& query, const Pose2& T_odom_base, bool poor) {
@@ -155,6 +173,9 @@ void Localizer::Impl::judge(bool poor, Stamp stamp, LocalizationUpdate& update) 
     update.status = long_poor ? TrackingStatus::kLost : TrackingStatus::kDegraded;
     update.confidence = std::min(update.confidence, 0.5);
   }
+  if (update.status == TrackingStatus::kLost && !poor && state.way_since_ok < kFollowedM)
+    update.status = TrackingStatus::kDegraded;
+  if (update.status == TrackingStatus::kOk) state.way_since_ok = 0.0;
   state.located |= update.status == TrackingStatus::kOk;
   report_hypotheses(map.data(), state.set, options, update);
 }
@@ -178,7 +199,11 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
               view = state.T_odom_view.inverse() * odom.T_odom_base;
   state.way_since_search += std::hypot(step.x, step.y);
   ++state.scans_since_search;
-  const bool new_view = std::hypot(view.x, view.y) > kNewViewM || std::abs(view.theta) > kNewViewRad;
+  state.way_since_ok += std::hypot(step.x, step.y);
+  const bool narrow = field_of_view(measurement.scan) < kNarrowRad;
+  const bool new_view = std::hypot(view.x, view.y) > kNewViewM || (narrow && std::abs(view.theta) > kNewViewRad);
+  const std::optional<Pose2> followed =
+      state.set.empty() ? std::nullopt : std::optional<Pose2>(state.set.all.front().T_grid_odom);
   if (state.given) {
     take_given(query, odom.T_odom_base);
   } else if (!state.set.empty()) {
@@ -197,10 +222,14 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
     update.searched = true;
     poor = poor && state.poor_scans > 0;
   }
+  if (followed && !state.set.empty() &&
+      is_apart(*followed * odom.T_odom_base, state.set.all.front().T_grid_odom * odom.T_odom_base))
+    state.way_since_ok = kNever;
   if (!poor && !state.set.empty()) {
     state.usual_explained = kMemory * state.usual_explained + (1.0 - kMemory) * state.set.all.front().at.fit.explained;
     if (new_view && state.set.all.size() == 1)
-      state.set.margin_alone = std::min(kMostMargin, state.set.margin_alone + kViewMargin);
+      state.set.margin_alone = std::clamp(state.set.margin_alone + view_margin(state.set.all.front().at.fit),
+                                          options.ambiguous_gap, kMostMargin);
   }
   if (new_view) state.T_odom_view = odom.T_odom_base;
   state.T_odom_last = odom.T_odom_base;

@@ -9,9 +9,11 @@
 namespace phasescan {
 namespace {
 
-constexpr std::size_t kMoreEffort = 4;  // times the candidates, where the first answer does not convince
+constexpr std::size_t kMoreEffort = 6;  // times the candidates, where the first answer does not convince
 constexpr double kWellExplained = 0.7;  // share of the hits: another pose that does better is not to be expected
-constexpr double kDegradedConfidence = 0.5;
+// A pose less likely than this is none to go by: of scans from rooms that the map has not, one in seventy is above it
+// at a wrong place.
+constexpr double kDegradedConfidence = 0.8;
 constexpr double kLeastExplained = 0.35;  // less of a scan is no answer
 
 double margin_of(const std::vector<FoundPose>& found) {

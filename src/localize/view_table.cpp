@@ -14,6 +14,8 @@ constexpr double kClearM = 0.12;       // that a place of the lattice is from su
 constexpr double kSpreadBins = 0.75;   // a beam speaks for the directions within this many bins, or half a beam spacing
 constexpr double kEmptyRunRad = 0.14;  // runs of missing beams at least so wide are emptiness, narrower ones lost beams
 constexpr std::size_t kTurns = kViewDirections;
+constexpr std::size_t kNeighbours = 2;      // coarse turns this near each other are one
+constexpr std::size_t kCoarsePerMatch = 4;  // matches by the coarse directions that all directions choose from
 
 /// The middle of a lattice cell, or the spot near it that is free and clear of surfaces; false where there is none.
 bool clear_spot(const MapGrid& grid, double x0, double y0, double spacing, float& x, float& y) {
@@ -39,29 +41,27 @@ struct Directions {
   }
 };
 
-/// The scan's view turned to every heading, halves of the directions alone.
+/// The scan's view turned to every heading.
 void fill_turns(const ScanView& scan, ViewSearch& search) {
-  search.rotated.resize(kTurns * kViewHalf);
-  search.known.resize(kTurns * kViewHalf);
+  constexpr std::size_t kEveryDirection = kViewDirections / kCoarseDirections, kEveryTurn = kTurns / kCoarseTurns;
+  search.rotated.resize(kTurns * kViewDirections);
+  search.most.resize(kTurns * kViewDirections);
+  search.coarse_rotated.resize(kCoarseDirections * kCoarseTurns);
+  search.coarse_most.resize(kCoarseDirections * kCoarseTurns);
   for (std::size_t t = 0; t < kTurns; ++t) {
-    for (std::size_t d = 0; d < kViewHalf; ++d) {
-      const std::size_t from = (2 * d + kViewDirections - t) % kViewDirections;
-      search.rotated[t * kViewHalf + d] = scan.range[from];
-      search.known[t * kViewHalf + d] = scan.known[from];
+    for (std::size_t d = 0; d < kViewDirections; ++d) {
+      const std::size_t from = (d + kViewDirections - t) % kViewDirections, to = t * kViewDirections + view_place(d);
+      search.rotated[to] = scan.range[from];
+      search.most[to] = scan.known[from] ? kMostDifference : std::uint8_t{0};
     }
   }
-}
-
-/// Cost over all directions.
-std::uint16_t full_cost(const std::uint8_t* view, const ScanView& scan, std::size_t turn) {
-  unsigned sum = 0;
-  for (std::size_t d = 0; d < kViewDirections; ++d) {
-    const std::size_t from = (d + kViewDirections - turn) % kViewDirections;
-    if (!scan.known[from]) continue;
-    const int off = std::abs(static_cast<int>(std::min(view[view_place(d)], scan.reach)) - scan.range[from]);
-    sum += static_cast<unsigned>(std::min(off, static_cast<int>(kMostDifference)));
+  for (std::size_t c = 0; c < kCoarseDirections; ++c) {
+    for (std::size_t t = 0; t < kCoarseTurns; ++t) {
+      const std::size_t from = t * kEveryTurn * kViewDirections + view_place(c * kEveryDirection);
+      search.coarse_rotated[c * kCoarseTurns + t] = search.rotated[from];
+      search.coarse_most[c * kCoarseTurns + t] = search.most[from];
+    }
   }
-  return static_cast<std::uint16_t>(sum);
 }
 
 bool better(const ViewMatch& a, const ViewMatch& b) {
@@ -69,21 +69,32 @@ bool better(const ViewMatch& a, const ViewMatch& b) {
   return a.view != b.view ? a.view < b.view : a.turn < b.turn;
 }
 
-/// The least cost and the least one that is no neighbour of it.
+/// The turn of least cost and the best one that is no neighbour of it, where they are below the limit.
 void add_two_best(const std::uint16_t* cost, std::uint32_t view, std::uint16_t limit, std::vector<ViewMatch>& out) {
   std::size_t first = 0;
-  for (std::size_t t = 1; t < kTurns; ++t) {
+  for (std::size_t t = 1; t < kCoarseTurns; ++t) {
     if (cost[t] < cost[first]) first = t;
   }
-  if (cost[first] >= limit) return;
   out.push_back({view, static_cast<std::uint16_t>(first), cost[first]});
-  std::size_t second = kTurns;
-  for (std::size_t t = 0; t < kTurns; ++t) {
-    const std::size_t apart = (t + kTurns - first) % kTurns;
-    if (apart < 4 || apart > kTurns - 4) continue;
-    if (second == kTurns || cost[t] < cost[second]) second = t;
+  std::size_t second = kCoarseTurns;
+  for (std::size_t t = 0; t < kCoarseTurns; ++t) {
+    const std::size_t apart = (t + kCoarseTurns - first) % kCoarseTurns;
+    if (apart < kNeighbours || apart > kCoarseTurns - kNeighbours) continue;
+    if (second == kCoarseTurns || cost[t] < cost[second]) second = t;
   }
   if (cost[second] < limit) out.push_back({view, static_cast<std::uint16_t>(second), cost[second]});
+}
+
+/// The best fine turn beside a coarse one, by all directions.
+void refine_match(const ViewTable& views, std::uint8_t reach, const ViewSearch& search, ViewMatch& match) {
+  const std::size_t coarse = match.turn * (kTurns / kCoarseTurns);
+  match.cost = std::numeric_limits<std::uint16_t>::max();
+  for (const std::size_t t : {coarse, (coarse + 1) % kTurns, (coarse + kTurns - 1) % kTurns}) {
+    const std::size_t row = t * kViewDirections;
+    const std::uint16_t cost =
+        compare_at_turn(views.view(match.view), reach, search.rotated.data() + row, search.most.data() + row);
+    if (cost < match.cost) match.cost = cost, match.turn = static_cast<std::uint16_t>(t);
+  }
 }
 
 void keep_best(std::vector<ViewMatch>& matches, std::size_t most) {
@@ -178,18 +189,20 @@ ScanView view_of(const Scan& scan) {
 void match_views(const ViewTable& views, const ScanView& scan, std::size_t most, ViewSearch& search) {
   fill_turns(scan, search);
   search.best.clear();
-  const std::size_t coarse = 4 * most;
+  const std::size_t coarse = kCoarsePerMatch * most;
   std::uint16_t limit = std::numeric_limits<std::uint16_t>::max();
-  alignas(64) std::uint16_t cost[kTurns];
+  alignas(64) std::uint16_t cost[kCoarseTurns];
   for (std::size_t i = 0; i < views.size(); ++i) {
-    compare_at_all_turns(views.view(i), scan.reach, search.rotated.data(), search.known.data(), kTurns, cost);
+    const std::uint16_t least = compare_at_coarse_turns(views.view(i), scan.reach, search.coarse_rotated.data(),
+                                                        search.coarse_most.data(), cost);
+    if (least >= limit) continue;
     add_two_best(cost, static_cast<std::uint32_t>(i), limit, search.best);
     if (search.best.size() < 2 * coarse) continue;
     keep_best(search.best, coarse);
     limit = std::max_element(search.best.begin(), search.best.end(), better)->cost;
   }
   keep_best(search.best, coarse);
-  for (ViewMatch& match : search.best) match.cost = full_cost(views.view(match.view), scan, match.turn);
+  for (ViewMatch& match : search.best) refine_match(views, scan.reach, search, match);
   keep_best(search.best, most);
   std::sort(search.best.begin(), search.best.end(), better);
 }

@@ -41,15 +41,18 @@ void add_wall(const Vector2d& a, const Vector2d& b, const PlanStyle& style, Shap
 }
 
 /// Jambs, leaf and glazing of a door whose gap runs from p to q on the low side; `across` leads to the high side.
-void add_door_parts(const DoorPlan& door, const Vector2d& p, const Vector2d& q, const Vector2d& across, Shape& shape,
+void add_door_parts(const DoorPlan& door, const Vector2d& p, const Vector2d& q, const Vector2d& across, World& world,
                     Random& random) {
+  Shape& shape = world.shape;
   shape.add_line({p, p + across});
   shape.add_line({q, q + across});
   if (door.state == DoorState::kNoLeaf) return;
   const double width = (q - p).norm(), depth = random.uniform(0.1, 0.9);
   const Material material = door.glazed ? Material::kGlass : Material::kMatt;
+  const MovablePart before = end_of_shape(world);
   if (door.state == DoorState::kClosed) {
     shape.add_line({p + depth * across, q + depth * across}, material);
+    note_part(MovablePart::Kind::kDoorLeaf, before, world);
     return;
   }
   // The leaf hangs at one jamb and opens to one side, 4 cm thick.
@@ -62,9 +65,24 @@ void add_door_parts(const DoorPlan& door, const Vector2d& p, const Vector2d& q, 
   const Vector2d thick(-0.02 * leaf.y(), 0.02 * leaf.x());
   const Vector2d tip = hinge + 0.96 * width * leaf;
   shape.add_solid({hinge - thick, tip - thick, tip + thick, hinge + thick}, material);
+  note_part(MovablePart::Kind::kDoorLeaf, before, world);
 }
 
 }  // namespace
+
+MovablePart end_of_shape(const World& world) {
+  const Shape& s = world.shape;
+  const std::size_t segments = s.segments.size(), discs = s.discs.size(), solids = s.solids.size();
+  return {MovablePart::Kind::kFurniture, segments, segments, discs, discs, solids, solids};
+}
+
+void note_part(MovablePart::Kind kind, const MovablePart& before, World& world) {
+  MovablePart part = before;
+  const MovablePart end = end_of_shape(world);
+  part.kind = kind;
+  part.last_segment = end.last_segment, part.last_disc = end.last_disc, part.last_solid = end.last_solid;
+  world.parts.push_back(part);
+}
 
 bool add_door(FloorPlan& plan, int room_a, int room_b, double width, double wall, Random& random) {
   const auto find = [&](int low, int high, bool x_wall) {
@@ -150,7 +168,7 @@ World build_world(const FloorPlan& plan, Random& random) {
     const Vector2d p = door.in_x_wall ? Vector2d(near, door.from) : Vector2d(door.from, near);
     const Vector2d q = door.in_x_wall ? Vector2d(near, door.to) : Vector2d(door.to, near);
     const Vector2d across = door.in_x_wall ? Vector2d(far - near, 0.0) : Vector2d(0.0, far - near);
-    add_door_parts(door, p, q, across, world.shape, random);
+    add_door_parts(door, p, q, across, world, random);
     if (low && high && door.state != DoorState::kClosed) world.doors.push_back({p + 0.5 * across, q + 0.5 * across});
   }
   for (const Footprint& pillar : plan.pillars) {
@@ -160,7 +178,7 @@ World build_world(const FloorPlan& plan, Random& random) {
     keep_clear.push_back(pillar);
   }
   for (std::size_t r = 0; r < plan.rooms.size(); ++r) {
-    furnish(plan.rooms[r], entrances[r], plan.style.clutter, keep_clear, world.shape, random);
+    furnish(plan.rooms[r], entrances[r], plan.style.clutter, keep_clear, world, random);
   }
 
   // Nothing built is square: shear, and a smooth bend of a few centimetres over metres.

@@ -58,7 +58,12 @@ World build_world(const FloorPlan& plan, Random& random);
 /// Furniture of one room that leaves a way between all its entrances (points just inside its doors); `taken` are
 /// footprints to keep clear of, and grows.
 void furnish(const RoomPlan& room, const std::vector<Eigen::Vector2d>& entrances, double clutter,
-             std::vector<Footprint>& taken, Shape& shape, Random& random);
+             std::vector<Footprint>& taken, World& world, Random& random);
+
+/// Adds what the shape has grown by since `before` as one thing that can be moved.
+void note_part(MovablePart::Kind kind, const MovablePart& before, World& world);
+/// Where the shape ends now.
+MovablePart end_of_shape(const World& world);
 
 /// Draws an opening of `width` in the wall that two cells of a tiling share, with `margin` to its ends; none if it is
 /// too short. Rooms are the cells inset by half the wall.

@@ -109,7 +109,7 @@ bool fits(const RoomPlan& room, const Footprint& place, const std::vector<Footpr
 }  // namespace
 
 void furnish(const RoomPlan& room, const std::vector<Vector2d>& entrances, double clutter,
-             std::vector<Footprint>& taken, Shape& shape, Random& random) {
+             std::vector<Footprint>& taken, World& world, Random& random) {
   if (clutter <= 0.0) return;
   PassageGrid passage(room, entrances);
   for (const Habit& habit : habits(room.use)) {
@@ -122,7 +122,9 @@ void furnish(const RoomPlan& room, const std::vector<Vector2d>& entrances, doubl
       for (int k = 0; k < kTries; ++k) {
         const Footprint place{draw_place(room, item, habit.at_wall, random), item.width, item.depth};
         if (!fits(room, place, taken) || !passage.try_block(place)) continue;
-        shape.append(item.shape, place.T_room_item);
+        const MovablePart before = end_of_shape(world);
+        world.shape.append(item.shape, place.T_room_item);
+        note_part(MovablePart::Kind::kFurniture, before, world);
         taken.push_back(place);
         break;
       }

@@ -61,12 +61,20 @@ struct Doorway {
   Eigen::Vector2d b;
 };
 
+/// A thing of a world that can be moved: its pieces in the world's shape, from the first to before the last.
+struct MovablePart {
+  enum class Kind : std::uint8_t { kFurniture, kDoorLeaf };
+  Kind kind = Kind::kFurniture;
+  std::size_t first_segment = 0, last_segment = 0, first_disc = 0, last_disc = 0, first_solid = 0, last_solid = 0;
+};
+
 /// A place to be in. Frame `world`: metres, right-handed.
 struct World {
   std::string name;
   Shape shape;
   std::vector<Polygon> rooms;  ///< outlines of the places a sensor may stand in, furniture included
   std::vector<Doorway> doors;  ///< the open ones
+  std::vector<MovablePart> parts;
 };
 
 /// True inside the polygon (even-odd rule); points on the outline may fall on either side.

@@ -89,23 +89,44 @@ TEST(MapSurface, NormalsFaceTheRoomAndThinWallsHaveTwoSides) {
   EXPECT_GE(right, 6);
 }
 
+std::vector<std::uint8_t> random_bytes(std::size_t count, Random& random) {
+  std::vector<std::uint8_t> bytes(count);
+  for (auto& v : bytes) v = static_cast<std::uint8_t>(random.below(256));
+  return bytes;
+}
+std::vector<std::uint8_t> random_caps(std::size_t count, Random& random) {
+  std::vector<std::uint8_t> caps(count);
+  for (auto& v : caps) v = random.chance(0.8) ? kMostDifference : std::uint8_t{0};
+  return caps;
+}
+
 TEST(ViewKernel, IsThePlainSumOfCappedDifferences) {
   Random random(5);
-  constexpr std::size_t kTurns = 7;
-  std::vector<std::uint8_t> view(kViewHalf), rotated(kTurns * kViewHalf), known(kTurns * kViewHalf);
-  for (auto& v : view) v = static_cast<std::uint8_t>(random.below(256));
-  for (auto& v : rotated) v = static_cast<std::uint8_t>(random.below(256));
-  for (auto& v : known) v = random.chance(0.8) ? 255 : 0;
-  std::uint16_t cost[kTurns];
-  compare_at_all_turns(view.data(), 200, rotated.data(), known.data(), kTurns, cost);
-  for (std::size_t t = 0; t < kTurns; ++t) {
+  const auto view = random_bytes(kViewDirections, random);
+  const std::size_t rows = kCoarseDirections * kCoarseTurns;
+  const auto rotated = random_bytes(rows, random), most = random_caps(rows, random);
+  std::uint16_t cost[kCoarseTurns];
+  const std::uint16_t least = compare_at_coarse_turns(view.data(), 200, rotated.data(), most.data(), cost);
+  const auto off = [&](std::size_t d, std::uint8_t other) { return std::abs(std::min<int>(view[d], 200) - other); };
+  for (std::size_t t = 0; t < kCoarseTurns; ++t) {
     int sum = 0;
-    for (std::size_t d = 0; d < kViewHalf; ++d) {
-      if (known[t * kViewHalf + d])
-        sum += std::min(std::abs(std::min<int>(view[d], 200) - rotated[t * kViewHalf + d]), int{kMostDifference});
-    }
+    for (std::size_t c = 0; c < kCoarseDirections; ++c)
+      sum += std::min<int>(off(c, rotated[c * kCoarseTurns + t]), most[c * kCoarseTurns + t]);
     EXPECT_EQ(cost[t], sum);
   }
+  EXPECT_EQ(least, *std::min_element(cost, cost + kCoarseTurns));
+  int sum = 0;
+  for (std::size_t d = 0; d < kViewDirections; ++d) sum += std::min<int>(off(d, rotated[d]), most[d]);
+  EXPECT_EQ(compare_at_turn(view.data(), 200, rotated.data(), most.data()), sum);
+}
+
+TEST(ViewTable, EveryDirectionHasAPlaceOfItsOwnAndCoarseOnesTheFirst) {
+  std::vector<int> taken(kViewDirections, 0);
+  for (std::size_t d = 0; d < kViewDirections; ++d) {
+    ++taken[view_place(d)];
+    EXPECT_EQ(view_place(d) < kCoarseDirections, d % (kViewDirections / kCoarseDirections) == 0);
+  }
+  EXPECT_EQ(std::count(taken.begin(), taken.end(), 1), static_cast<long>(kViewDirections));
 }
 
 TEST(ViewTable, TheViewNearAPoseIsAmongTheBest) {

@@ -10,8 +10,8 @@ struct LocalizeOptions {
   double ambiguous_gap = 6.0;
   double view_spacing_m = 0.35;
   double view_range_m = 30.0;
-  int candidates = 500;
-  int finalists = 16;
+  int candidates = 300;
+  int finalists = 10;
   int max_hypotheses = 12;
   double search_every_m = 0.5;
 

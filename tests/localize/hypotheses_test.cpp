@@ -1,0 +1,71 @@
+// Poses that a robot may have: what is known of a lone one.
+#include "localize/hypotheses.hpp"
+
+#include <gtest/gtest.h>
+
+#include "localize/likelihood.hpp"
+#include "localize/map_grid.hpp"
+#include "localize/pose_confidence.hpp"
+#include "support/toy_map.hpp"
+
+namespace phasescan {
+namespace {
+
+FoundPose found_at(double x, double log_likelihood) {
+  FoundPose pose;
+  pose.T_grid_base = {x, 0.0, 0.0};
+  pose.fit.log_likelihood = log_likelihood;
+  return pose;
+}
+
+TEST(Hypotheses, OneThatIsLeftIsAsFarAheadAsTheOthersFellBehind) {
+  HypothesisSet set;
+  set.restart({found_at(0.0, -10.0)}, {}, 18.0, 12);
+  EXPECT_EQ(set.margin(), kMostMargin);
+  set.merge({found_at(0.0, -10.0), found_at(5.0, -12.0)}, {}, 18.0, 12);
+  ASSERT_EQ(set.all.size(), 2U);
+  set.all[1].weight -= 15.0;  // views of the way speak against it
+  set.prune(18.0, 12);
+  ASSERT_EQ(set.all.size(), 1U);
+  EXPECT_LT(set.margin(), 30.0);
+  EXPECT_GT(set.margin(), 18.0);
+}
+
+TEST(Hypotheses, APlaceThatNothingLedToMustExplainMore) {
+  HypothesisSet set;
+  set.restart({found_at(0.0, -10.0)}, {}, 18.0, 12);
+  set.merge({found_at(5.0, -9.0)}, {}, 18.0, 12);
+  ASSERT_EQ(set.all.size(), 2U);
+  EXPECT_EQ(set.all.front().at.T_grid_base.x, 0.0);
+}
+
+TEST(MapFit, ARayPastAnEdgeDoesNotContradictAndOneThroughAWallDoes) {
+  // A wall along x = 3 from y = -2 on; it ends at y = 0.
+  const std::vector<testing::Wall> walls = {
+      {{-1, -2}, {6, -2}}, {{6, -2}, {6, 2}}, {{6, 2}, {-1, 2}}, {{-1, 2}, {-1, -2}}, {{3, -2}, {3, 0}}};
+  const MapGrid grid = make_map_grid(testing::toy_map(walls, {0, 0}));
+  const Pose2 T_grid = testing::toy_map(walls, {0, 0}).origin.inverse();
+  const auto fit_of = [&](double y) {
+    JudgedBeams beams;
+    beams.x = {6.0F}, beams.y = {0.0F}, beams.dx = {1.0F}, beams.dy = {0.0F}, beams.range = {6.0F},
+    beams.variance = {1e-4F};
+    return fit_to_map(grid, beams, T_grid * Pose2{0.0, y, 0.0});
+  };
+  EXPECT_EQ(fit_of(-1.0).contradicting, 1.0);
+  EXPECT_EQ(fit_of(0.02).contradicting, 0.0);
+  EXPECT_EQ(fit_of(-0.03).contradicting, 0.0);
+  EXPECT_EQ(fit_of(1.0).contradicting, 0.0);
+}
+
+TEST(PoseConfidence, GrowsWithTheMarginToTheEndAndFallsWithWhatContradicts) {
+  const PoseEvidence usual{30.0, 0.75, 0.02, 0.02};
+  PoseEvidence ahead = usual, against = usual;
+  ahead.margin = 60.0;
+  against.contradicting = 0.3;
+  EXPECT_GT(pose_confidence(ahead), 0.97);
+  EXPECT_LT(pose_confidence(usual), 0.95);
+  EXPECT_LT(pose_confidence(against), pose_confidence(usual) - 0.05);
+}
+
+}  // namespace
+}  // namespace phasescan
