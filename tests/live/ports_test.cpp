@@ -6,13 +6,11 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <chrono>
 #include <fstream>
-#include <functional>
 #include <thread>
 
 #include "live/clocks.hpp"
@@ -22,6 +20,7 @@
 #include "phasescan/io/error.hpp"
 #include "phasescan/live/live.hpp"
 #include "support/command.hpp"
+#include "support/nobody.hpp"
 
 namespace phasescan::live::ports_test {
 namespace {
@@ -150,32 +149,6 @@ TEST(Ports, ADamagedFileOfBytesEndsWhereItIsDamaged) {
   EXPECT_THROW(port->read(bytes, 20), PortGone);
 }
 
-/// What a user who is nobody reads, of a call that fails.
-std::string told_to_nobody(const std::function<void()>& call) {
-  int pipe[2];
-  if (::pipe(pipe) != 0) return "no pipe";
-  const pid_t child = ::fork();
-  if (child == 0) {
-    std::string text = "not refused";
-    constexpr uid_t kNobody = 65534;
-    if (::setgid(kNobody) != 0 || ::setuid(kNobody) != 0) ::_exit(1);
-    try {
-      call();
-    } catch (const SystemError& error) {
-      text = error.what();
-    }
-    if (::write(pipe[1], text.data(), text.size()) < 0) ::_exit(1);
-    ::_exit(0);
-  }
-  ::close(pipe[1]);
-  std::string text(4096, '\0');
-  const ssize_t n = ::read(pipe[0], text.data(), text.size());
-  text.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
-  ::close(pipe[0]);
-  ::waitpid(child, nullptr, 0);
-  return text;
-}
-
 /// A pseudo-terminal whose client's end a test opens by name.
 struct Terminal {
   int master = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
@@ -192,7 +165,7 @@ TEST(Ports, WhoMayNotIsToldTheGroup) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root, to become another user";
   const Terminal terminal;
   ::chmod(terminal.name.c_str(), 0600);
-  const std::string told = told_to_nobody([&] { open_serial(terminal.name, 115200); });
+  const std::string told = test::told_to_nobody([&] { open_serial(terminal.name, 115200); });
   EXPECT_THAT(told, HasSubstr(terminal.name + ": permission denied"));
   EXPECT_THAT(told, HasSubstr("sudo usermod -aG "));
 }
@@ -203,7 +176,7 @@ TEST(Ports, APortThatIsTakenIsSaidToBe) {
   ::chmod(terminal.name.c_str(), 0666);
   const int holder = ::open(terminal.name.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
   ASSERT_EQ(::ioctl(holder, TIOCEXCL), 0);
-  const std::string told = told_to_nobody([&] { open_serial(terminal.name, 115200); });
+  const std::string told = test::told_to_nobody([&] { open_serial(terminal.name, 115200); });
   EXPECT_THAT(told, HasSubstr("holds it"));
   ::close(holder);
 }
