@@ -105,6 +105,32 @@ TEST(LocalizeCommand, AGivenPoseIsTaken) {
   EXPECT_EQ(place.run({"--initial", "0,0,0", "--each"}).code, 2);
 }
 
+/// What is known of the sensor makes the heading less sure, by how much its whole revolutions turn.
+TEST(LocalizeCommand, ASensorWhoseRevolutionsTurnWidensTheHeading) {
+  const Place place;
+  ASSERT_EQ(place.run().code, 0);
+  const std::vector<json> plain = place.lines();
+  place.folder.put("turning.yaml", "beams: 450\nrevolution_turn_deg: 0.5\n");
+  for (const std::vector<std::string>& flags : {std::vector<std::string>{}, {"--each"}}) {
+    std::vector<std::string> with = flags;
+    with.insert(with.end(), {"--sensor", place.folder / "turning.yaml"});
+    ASSERT_EQ(place.run(flags).code, 0);
+    const std::vector<json> without = place.lines();
+    const auto run = place.run(with);
+    ASSERT_EQ(run.code, 0) << run.err;
+    const std::vector<json> widened = place.lines();
+    const double turn = deg_to_rad(0.5), was = without[5]["covariance"][8].get<double>();
+    EXPECT_NEAR(widened[5]["covariance"][8].get<double>(), was + turn * turn, 1e-9);
+    EXPECT_EQ(widened[5]["pose"], without[5]["pose"]);
+    EXPECT_EQ(widened[5]["confidence"], without[5]["confidence"]);
+  }
+  EXPECT_EQ(place.run({"--sensor", "ld06-real"}).code, 0);
+  EXPECT_GT(place.lines()[5]["covariance"][8], plain[5]["covariance"][8]);
+  const auto unknown = place.run({"--sensor", "no-such-sensor"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("no-such-sensor"));
+}
+
 TEST(LocalizeCommand, ASavedRunIsAMapToo) {
   const Place place;
   const std::string state = place.folder / "toy.state";
