@@ -96,6 +96,48 @@ TEST(LocalizeCommand, EachScanByItselfHasItsTimeAndTheSameBytesWithoutTimes) {
   EXPECT_FALSE(place.lines()[0].contains("ms"));
 }
 
+/// The first `count` scans of a CARMEN log become those of a round room that is on no map.
+std::string begun_elsewhere(const std::string& log, std::size_t count) {
+  std::string out;
+  std::size_t n = 0;
+  for (const std::string& line : testing::lines_of(log)) {
+    std::istringstream words(line);
+    std::string word;
+    const bool elsewhere = line.starts_with("FLASER") && n++ < count;
+    for (std::size_t k = 0, beams = 0; words >> word; ++k) {
+      if (elsewhere && k == 1) beams = std::stoul(word);
+      out += (k == 0 ? "" : " ") + (elsewhere && k > 1 && k < 2 + beams ? "0.7" + std::to_string(k % 3) : word);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+/// With --each and without, what comes before the first scan that is ok does not count.
+TEST(LocalizeCommand, TheVerdictIsOfWhatComesAfterTheFirstScanThatIsOk) {
+  const Place place;
+  place.folder.put("toy.log", begun_elsewhere(place.log.flaser, 40));
+  for (const std::vector<std::string>& flags : {std::vector<std::string>{}, {"--each"}}) {
+    ASSERT_EQ(place.run(flags).code, 0);
+    double with_pose = 0, after = 0, sum = 0;
+    std::size_t before = 0;
+    for (const json& line : place.lines()) {
+      if (after == 0 && line["status"] != "ok") {
+        ++before;
+        continue;
+      }
+      ++after;
+      if (line["status"] != "ok" && line["status"] != "degraded") continue;
+      ++with_pose;
+      sum += line["confidence"].get<double>();
+    }
+    ASSERT_GE(before, 40U);
+    const json summary = place.summary();
+    EXPECT_NEAR(summary["verdict_probability"].get<double>(), sum / after, 1e-4);
+    EXPECT_EQ(summary["verdict"], with_pose / after >= 0.9 && sum / after >= 0.95 ? "good" : "doubtful");
+  }
+}
+
 TEST(LocalizeCommand, AGivenPoseIsTaken) {
   const Place place;
   EXPECT_EQ(place.run({"--initial", "0.1,-0.1,3"}).code, 0);
