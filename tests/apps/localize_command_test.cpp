@@ -180,6 +180,10 @@ TEST(LocalizeCommand, ASavedRunIsAMapToo) {
   const auto run = run_command({"localize", "--state", state, place.folder / "toy.log", "--out", place.folder / "out"});
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_GT(place.summary()["statuses"]["ok"], 90);
+  const auto mistaken =
+      run_command({"localize", "--map", state, place.folder / "toy.log", "--out", place.folder / "no"});
+  EXPECT_EQ(mistaken.code, 2);
+  EXPECT_THAT(mistaken.err, HasSubstr("is a saved run; expected a map_server yaml"));
   EXPECT_EQ(run_command({"localize", "--state", place.folder / "toy.log", place.folder / "toy.log", "--out",
                          place.folder / "no"})
                 .code,

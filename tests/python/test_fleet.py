@@ -44,11 +44,14 @@ def test_a_manifest_that_cannot_be_read_is_one_line(place, capsys):
 
 def test_wrong_usage_of_the_fleet_is_one_line(place, capsys):
     (place / "manifest.txt").write_text("c.log\n")
+    (place / "wrong.yaml").write_text("map:\n  no_such_option: 1\n")
     manifest_txt, out = str(place / "manifest.txt"), str(place / "out")
     for wrong, told in ((["run", "x"], "--out"), ([], "what"), (["run", "x", "--out", out, "--bogus"], "--bogus"),
                         (["run", "x", "--out", out, "--workers", "two"], "--workers"),
                         (["run", manifest_txt, "--out", out, "--workers", "0"], "--workers: is 0"),
                         (["run", manifest_txt, "--out", out, "--workers", "-1"], "--workers: is -1"),
+                        (["run", manifest_txt, "--out", out, "--config", str(place / "nothing.yaml")], "nothing.yaml: no such file"),
+                        (["run", manifest_txt, "--out", out, "--config", str(place / "wrong.yaml")], "wrong.yaml:2: unknown option"),
                         (["run", manifest_txt, "--out", str(place / "c.log")], "c.log: is a file"),
                         (["run", manifest_txt, "--out", str(place / "c.log" / "below")], "below: is a file, or lies in one")):
         try:

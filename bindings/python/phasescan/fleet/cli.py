@@ -4,6 +4,7 @@ from __future__ import annotations
 import argparse
 import os
 import pathlib
+import subprocess
 import sys
 from typing import NoReturn, Sequence
 
@@ -57,6 +58,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(str(error), NOT_READABLE)
     try:
         settings = settings_of(flags)
+        if flags.config and (refusal := _refusal_of(settings.command, flags.config)):
+            return _fail(refusal, NOT_READABLE)
         try:
             os.makedirs(settings.out, exist_ok=True)
         except (FileExistsError, NotADirectoryError):
@@ -77,6 +80,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"phasescan: {line}", file=sys.stderr)
     print(f"{len(rows)} logs, {len(broken)} of them broken; open {settings.out}/report.html", file=sys.stderr)
     return DONE
+
+
+def _refusal_of(command: str, config: str) -> str:
+    """What the command has against a file of options; else nothing. Asked once, where each log would break on it."""
+    told = subprocess.run([command, "config", "--dump", "--config", config], capture_output=True, text=True, check=False)
+    return told.stderr.strip().removeprefix("phasescan: ") if told.returncode != DONE else ""
 
 
 def _fail(text: str, code: int) -> int:
