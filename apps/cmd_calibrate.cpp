@@ -5,6 +5,7 @@
 
 #include "calibrate/calibrate.hpp"
 #include "command_list.hpp"
+#include "in_the_way.hpp"
 #include "io/file.hpp"
 #include "people.hpp"
 #include "phasescan/io/error.hpp"
@@ -19,6 +20,7 @@ struct CalibrateFlags {
 };
 
 int run_calibrate(const CalibrateFlags& flags) {
+  refuse_in_the_way("--out", flags.out, {flags.log}, "");
   const auto reader = open_log(flags.log, flags.options);
   Calibrator calibrator;
   Progress progress("read", *reader);
@@ -62,6 +64,7 @@ void add_calibrate_command(CLI::App& app, CommandBody& body) {
   command->add_option("--out", flags->out, "the sensor file (YAML), for --sensor FILE")->required();
   command->footer("Example:\n  phasescan calibrate drive.jsonl --out sensor.yaml");
   add_log_flags(*command, flags->options);
+  add_to_flag(*command, flags->options);
   command->callback([flags, &body] { body = [flags] { return run_calibrate(*flags); }; });
 }
 

@@ -3,6 +3,7 @@
 
 #include "command_list.hpp"
 #include "commands.hpp"
+#include "in_the_way.hpp"
 #include "people.hpp"
 #include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
@@ -19,6 +20,7 @@ struct ConvertFlags {
 
 int run_convert(const ConvertFlags& flags) {
   const std::string target = flags.format.empty() ? convert_target_for(flags.out) : flags.format;
+  refuse_in_the_way("OUT", flags.out, {flags.in}, "");
   const auto reader = open_log(flags.in, flags.options);
   const auto writer = make_convert_writer(target, flags.out);
   JudgedLog log(*reader);

@@ -176,6 +176,7 @@ void add_live_command(CLI::App& app, CommandBody& body) {
   add_map_flags(*command, flags->tracking);
   add_keeping_flags(*command, flags->keeping);
   add_log_flags(*command, flags->options);
+  add_to_flag(*command, flags->options);
   add_config_flag(*command, flags->common);
   add_seed_flag(*command, flags->common);
   command->footer("Example:\n  phasescan live --port auto");

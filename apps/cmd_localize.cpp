@@ -168,6 +168,7 @@ void add_localize_command(CLI::App& app, CommandBody& body) {
   add_log_flags(*command, flags->options);
   add_to_flag(*command, flags->options);
   add_config_flag(*command, flags->common);
+  add_sensor_flag(*command, flags->common);
   add_threads_flag(*command, flags->common);
   add_no_times_flag(*command, flags->common);
   command->callback([flags, &body] { body = [flags] { return run_localize(*flags); }; });

@@ -5,6 +5,8 @@
 #include "command_list.hpp"
 #include "commands.hpp"
 #include "core/parallel.hpp"
+#include "people.hpp"
+#include "phasescan/core/time.hpp"
 #include "phasescan/io/error.hpp"
 #include "io/pairs.hpp"
 #include "io/scan_log.hpp"
@@ -98,6 +100,8 @@ int simulate_pairs(const SimulateFlags& flags) {
   if (done == 0) return stopped_with_nothing();
   writer.commit();
   if (done < flags.pairs) warn("stopped after " + std::to_string(done) + " pairs; the file holds these");
+  progress.end();
+  print_ending({{"pairs", std::to_string(done)}, {"wrote", flags.out}});
   return kDone;
 }
 
@@ -139,6 +143,11 @@ int simulate_drive(const SimulateFlags& flags) {
   truth_file.commit();
   if (InterruptGuard::interrupted())
     warn("stopped after " + std::to_string(truth.size()) + " scans; the log holds these");
+  progress.end();
+  const double seconds = truth.empty() ? 0.0 : stamp_to_seconds(truth.back().stamp - truth.front().stamp);
+  print_ending({{"scans", std::to_string(truth.size()) + " in " + duration_text(seconds)},
+                {"world", world.name},
+                {"wrote", flags.out + ", " + flags.out + ".truth.tum"}});
   return kDone;
 }
 

@@ -191,8 +191,8 @@ Config config_from(const CommonFlags& flags) {
   Config config = flags.config.empty() ? Config{} : load_config(flags.config);
   if (!flags.sensor.empty()) {
     const double turn_deg = rad_to_deg(sim::revolution_turn_sigma(sim::read_lidar(flags.sensor)));
-    for (double* option :
-         {&config.match.match.general.revolution_turn_deg, &config.slam.match.match.revolution_turn_deg})
+    for (double* option : {&config.match.match.general.revolution_turn_deg,
+                           &config.slam.match.match.revolution_turn_deg, &config.localize.revolution_turn_deg})
       if (*option < 0.0) *option = turn_deg;
   }
   if (!flags.method.empty()) config.match.match.method = enum_of_flag<MatchMethod>("--method", flags.method);

@@ -17,6 +17,8 @@ KnownMap load_known_map(const std::string& map, const std::string& state, const 
     const LoadedRun loaded = load_run(state);
     drawn = Slam(loaded.saved.state, loaded.saved.options).map()->draw();
   } else {
+    if (is_state_file(map))
+      throw InputError(map, 0, "is a saved run; expected a map_server yaml (a saved run: --state)");
     bool trap = false;
     drawn = read_map(map, &trap);
     if (trap)

@@ -162,7 +162,7 @@ LocalizeVerdict judge_run(const LocalizeRun& run) {
   for (const LocalizationUpdate& u : run.updates) {
     ++verdict.by_status[static_cast<std::size_t>(u.status)];
     located |= u.status == TrackingStatus::kOk;
-    if (!located && !run.each) continue;
+    if (!located) continue;
     ++after;
     with_pose += u.has_pose();
     if (u.has_pose()) sum += u.confidence;

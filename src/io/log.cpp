@@ -1,5 +1,9 @@
 #include "phasescan/io/log.hpp"
 
+#include <fmt/format.h>
+
+#include <stdexcept>
+
 #include "io/beam_geometry.hpp"
 #include "io/csv_log.hpp"
 #include "io/cut_log.hpp"
@@ -26,15 +30,31 @@ void expect_no_geometry(const LogInput& input, const LogOptions& options, std::s
                        "; expected no --fov, --angle-min, --angle-increment, --clockwise, --stamp-unit with it");
 }
 
+/// Cuts that leave nothing of any log.
+void expect_something_left(const LogOptions& options) {
+  if (options.range_max > 0.0 && options.range_min >= options.range_max)
+    throw std::invalid_argument(fmt::format("--range-min: {} is not below --range-max {}; expected a shorter range",
+                                            options.range_min, options.range_max));
+  if (options.from && options.to && *options.from > *options.to)
+    throw std::invalid_argument(
+        fmt::format("--from: {} is after --to {}; expected an earlier time", *options.from, *options.to));
+}
+
+/// Flags of logs with topics are a mistake for one without.
+void expect_no_topic(const LogInput& input, const LogOptions& options, std::string_view format) {
+  const char* flag = !options.topic.empty() ? "--topic" : !options.frame.empty() ? "--frame" : nullptr;
+  if (flag == nullptr) return;
+  throw InputError(input.name(), 0, fmt::format("has no topics: {}; expected no {} with it", format, flag));
+}
+
 std::unique_ptr<LogReader> open_any(LogInput& input, const LogOptions& options) {
-  if (!input.is_folder() && !options.columns.empty() && options.topic.empty()) return open_csv(input, options);
+  if (!input.is_folder() && !options.columns.empty() && options.topic.empty() && options.frame.empty())
+    return open_csv(input, options);
   if (const auto foreign = foreign_file(input.prefix())) throw InputError(input.name(), 0, *foreign);
   std::string names;
   for (const LogFormat& format : log_formats()) {
     if (format.probe(input)) {
-      if (!options.topic.empty() && !format.topics)
-        throw InputError(input.name(), 0,
-                         "has no topics: " + std::string(format.name) + "; expected no --topic with it");
+      if (!format.topics) expect_no_topic(input, options, format.name);
       if (!format.columns) expect_no_geometry(input, options, format.name);
       return format.open(input, options);
     }
@@ -49,6 +69,7 @@ std::unique_ptr<LogReader> open_any(LogInput& input, const LogOptions& options) 
 }  // namespace
 
 std::unique_ptr<LogReader> open_log(const std::string& path, const LogOptions& options) {
+  expect_something_left(options);
   LogInput input(path);
   const bool is_database = input.prefix().starts_with("SQLite format 3");  // not read front to back
   auto log = open_any(input, options);

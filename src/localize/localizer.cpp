@@ -78,7 +78,7 @@ struct Localizer::Impl {
   bool fits_poorly(const OdometryUpdate& odometry_update) const;
   bool wants_search(bool poor, TrackingStatus status) const;
   void search(const QueryScan& query, const Pose2& T_odom_base, bool poor);
-  void judge(bool poor, Stamp stamp, LocalizationUpdate& update);
+  void judge(bool poor, const RangeMeasurement& measurement, LocalizationUpdate& update);
   std::size_t most() const { return static_cast<std::size_t>(options.max_hypotheses); }
 };
 
@@ -159,7 +159,7 @@ void Localizer::Impl::search(const QueryScan& query, const Pose2& T_odom_base, b
   }
 }
 
-void Localizer::Impl::judge(bool poor, Stamp stamp, LocalizationUpdate& update) {
+void Localizer::Impl::judge(bool poor, const RangeMeasurement& measurement, LocalizationUpdate& update) {
   if (state.set.empty()) {
     update.status = state.located ? TrackingStatus::kLost : TrackingStatus::kInitialising;
     return;
@@ -169,7 +169,7 @@ void Localizer::Impl::judge(bool poor, Stamp stamp, LocalizationUpdate& update) 
   update.confidence = judged.confidence;
   if (poor && state.poor_scans > 0) {
     const bool long_poor =
-        state.poor_scans > kLostAfterScans || stamp_to_seconds(stamp - state.poor_since) > kLostAfterS;
+        state.poor_scans > kLostAfterScans || stamp_to_seconds(measurement.scan.stamp - state.poor_since) > kLostAfterS;
     update.status = long_poor ? TrackingStatus::kLost : TrackingStatus::kDegraded;
     update.confidence = std::min(update.confidence, 0.5);
   }
@@ -177,7 +177,7 @@ void Localizer::Impl::judge(bool poor, Stamp stamp, LocalizationUpdate& update) 
     update.status = TrackingStatus::kDegraded;
   if (update.status == TrackingStatus::kOk) state.way_since_ok = 0.0;
   state.located |= update.status == TrackingStatus::kOk;
-  report_hypotheses(map.data(), state.set, options, update);
+  report_hypotheses(map.data(), state.set, measurement.T_base_laser, options, update);
 }
 
 LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
@@ -191,7 +191,7 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
   const QueryScan query = prepare_query(measurement, odometry_options.deskew ? odom.twist : Twist2{},
                                         options.view_range_m, true, query_work);
   if (!query.usable()) {
-    judge(false, update.stamp, update);
+    judge(false, measurement, update);
     if (update.status == TrackingStatus::kOk) update.status = TrackingStatus::kDegraded;
     return update;
   }
@@ -233,7 +233,7 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
   }
   if (new_view) state.T_odom_view = odom.T_odom_base;
   state.T_odom_last = odom.T_odom_base;
-  judge(poor, update.stamp, update);
+  judge(poor, measurement, update);
   return update;
 }
 

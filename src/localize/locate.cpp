@@ -16,6 +16,15 @@ constexpr double kWellExplained = 0.7;  // share of the hits: another pose that 
 constexpr double kDegradedConfidence = 0.8;
 constexpr double kLeastExplained = 0.35;  // less of a scan is no answer
 
+/// What a turn of the whole revolution adds: the scan is turned about the laser, and the base with it.
+Eigen::Matrix3d turn_covariance(const Pose2& T_map_base, const Pose2& T_base_laser, double turn_deg) {
+  if (!(turn_deg > 0.0)) return Eigen::Matrix3d::Zero();
+  const Pose2 T_map_laser = T_map_base * T_base_laser;
+  const Eigen::Vector3d around(T_map_laser.y - T_map_base.y, T_map_base.x - T_map_laser.x, 1.0);
+  const double turn = deg_to_rad(turn_deg);
+  return turn * turn * around * around.transpose();
+}
+
 double margin_of(const std::vector<FoundPose>& found) {
   if (found.size() < 2) return found.empty() ? 0.0 : kMostMargin;
   return found[0].fit.log_likelihood - found[1].fit.log_likelihood;
@@ -53,14 +62,15 @@ Judged judge_pose(const FoundPose& pose, double margin, const LocalizeOptions& o
   return judged;
 }
 
-void report_hypotheses(const LocalizationMap::Data& map, const HypothesisSet& set, const LocalizeOptions& options,
-                       LocalizationUpdate& update) {
+void report_hypotheses(const LocalizationMap::Data& map, const HypothesisSet& set, const Pose2& T_base_laser,
+                       const LocalizeOptions& options, LocalizationUpdate& update) {
   if (set.empty()) return;
   for (std::size_t i = 0; i < set.all.size(); ++i) {
     const Hypothesis& h = set.all[i];
     PoseEstimate estimate;
     estimate.T_map_base = map.T_map_grid * h.at.T_grid_base;
-    estimate.covariance = rotate_information(h.at.covariance, map.T_map_grid.theta);
+    estimate.covariance = rotate_information(h.at.covariance, map.T_map_grid.theta) +
+                          turn_covariance(estimate.T_map_base, T_base_laser, options.revolution_turn_deg);
     const double share = std::exp(h.weight - set.all.front().weight);
     estimate.confidence = i == 0 ? update.confidence : std::min(0.5, share * (1.0 - update.confidence));
     update.hypotheses.push_back(estimate);
@@ -69,7 +79,6 @@ void report_hypotheses(const LocalizationMap::Data& map, const HypothesisSet& se
   update.fit = set.all.front().at.fit;
   update.T_map_base = update.hypotheses.front().T_map_base;
   update.covariance = update.hypotheses.front().covariance;
-  static_cast<void>(options);
 }
 
 void check_measurement(const RangeMeasurement& measurement) {
@@ -96,7 +105,7 @@ LocalizationUpdate locate(const LocalizationMap& map, const RangeMeasurement& me
   const Judged judged = judge_pose(set.all.front().at, margin_of(found), options);
   update.status = judged.status;
   update.confidence = judged.confidence;
-  report_hypotheses(map.data(), set, options, update);
+  report_hypotheses(map.data(), set, measurement.T_base_laser, options, update);
   return update;
 }
 

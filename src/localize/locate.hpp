@@ -19,8 +19,9 @@ struct Judged {
 Judged judge_pose(const FoundPose& pose, double margin, const LocalizeOptions& options);
 
 /// Fills pose, covariance, confidence, fit and hypotheses of an update, in the frame of the map.
-void report_hypotheses(const LocalizationMap::Data& map, const HypothesisSet& set, const LocalizeOptions& options,
-                       LocalizationUpdate& update);
+/// @param T_base_laser  about the laser a revolution turns as a whole (revolution_turn_deg)
+void report_hypotheses(const LocalizationMap::Data& map, const HypothesisSet& set, const Pose2& T_base_laser,
+                       const LocalizeOptions& options, LocalizationUpdate& update);
 
 /// @throws std::invalid_argument naming what is not finite
 void check_measurement(const RangeMeasurement& measurement);

@@ -35,7 +35,8 @@ std::string pack_state(const StateSections& sections);
 /// Takes no more memory than 256 times the bytes. @throws StateFormatError saying what is wrong and what was expected
 StateSections unpack_state(std::string_view bytes);
 
-/// Writes a file whole or not at all: beside its place, synced and renamed. @throws std::system_error
+/// Writes a file whole or not at all: beside its place, synced and renamed. A device or a pipe is written to. @throws
+/// std::system_error
 void replace_file(const std::string& path, std::string_view bytes);
 /// @throws std::system_error
 std::string read_bytes(const std::string& path);

@@ -14,8 +14,10 @@ namespace {
 
 class Descriptor {
  public:
-  Descriptor(const std::string& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
-    if (fd_ < 0) refuse(path);
+  /// @param name  of the file for people
+  Descriptor(const std::string& path, int flags, const std::string& name)
+      : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
+    if (fd_ < 0) refuse(name);
   }
   ~Descriptor() { ::close(fd_); }
   Descriptor(const Descriptor&) = delete;
@@ -29,29 +31,44 @@ class Descriptor {
   int fd_;
 };
 
-void write_all(const std::string& path, std::string_view bytes) {
-  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
+void write_all(int fd, const std::string& path, std::string_view bytes) {
   while (!bytes.empty()) {
-    const ssize_t done = ::write(file.get(), bytes.data(), bytes.size());
+    const ssize_t done = ::write(fd, bytes.data(), bytes.size());
     if (done < 0 && errno == EINTR) continue;
     if (done < 0) Descriptor::refuse(path);
     bytes.remove_prefix(static_cast<std::size_t>(done));
   }
-  if (::fsync(file.get()) != 0) Descriptor::refuse(path);
+}
+
+/// What a name leads to: a link stays a link.
+std::string target_of(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_symlink(path, error)) return path;
+  const std::filesystem::path target = std::filesystem::weakly_canonical(path, error);
+  return error ? path : target.string();
+}
+
+/// Whether a name is of a device, a pipe or the like: it is written to, and never replaced by a file.
+bool is_device(const std::string& path) {
+  struct stat info {};
+  return ::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
 }
 
 }  // namespace
 
 void replace_file(const std::string& path, std::string_view bytes) {
-  const std::string temporary = path + ".tmp" + std::to_string(::getpid());
+  const std::string target = target_of(path);
+  if (is_device(target)) return write_all(Descriptor(path, O_WRONLY, path).get(), path, bytes);
+  const std::string temporary = target + ".tmp" + std::to_string(::getpid());
   try {
-    write_all(temporary, bytes);
-    if (::rename(temporary.c_str(), path.c_str()) != 0) Descriptor::refuse(path);
+    const Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC, path);
+    write_all(file.get(), path, bytes);
+    if (::fsync(file.get()) != 0 || ::rename(temporary.c_str(), target.c_str()) != 0) Descriptor::refuse(path);
   } catch (...) {
     ::unlink(temporary.c_str());
     throw;
   }
-  const std::string folder = std::filesystem::path(path).parent_path().string();
+  const std::string folder = std::filesystem::path(target).parent_path().string();
   const int fd = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (fd < 0) return;  // the file itself is safe
   ::fsync(fd);
@@ -59,7 +76,7 @@ void replace_file(const std::string& path, std::string_view bytes) {
 }
 
 std::string read_bytes(const std::string& path) {
-  const Descriptor file(path, O_RDONLY);
+  const Descriptor file(path, O_RDONLY, path);
   std::string bytes;
   struct stat info {};
   if (::fstat(file.get(), &info) == 0 && S_ISREG(info.st_mode)) bytes.reserve(static_cast<std::size_t>(info.st_size));

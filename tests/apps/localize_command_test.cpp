@@ -96,6 +96,48 @@ TEST(LocalizeCommand, EachScanByItselfHasItsTimeAndTheSameBytesWithoutTimes) {
   EXPECT_FALSE(place.lines()[0].contains("ms"));
 }
 
+/// The first `count` scans of a CARMEN log become those of a round room that is on no map.
+std::string begun_elsewhere(const std::string& log, std::size_t count) {
+  std::string out;
+  std::size_t n = 0;
+  for (const std::string& line : testing::lines_of(log)) {
+    std::istringstream words(line);
+    std::string word;
+    const bool elsewhere = line.starts_with("FLASER") && n++ < count;
+    for (std::size_t k = 0, beams = 0; words >> word; ++k) {
+      if (elsewhere && k == 1) beams = std::stoul(word);
+      out += (k == 0 ? "" : " ") + (elsewhere && k > 1 && k < 2 + beams ? "0.7" + std::to_string(k % 3) : word);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+/// With --each and without, what comes before the first scan that is ok does not count.
+TEST(LocalizeCommand, TheVerdictIsOfWhatComesAfterTheFirstScanThatIsOk) {
+  const Place place;
+  place.folder.put("toy.log", begun_elsewhere(place.log.flaser, 40));
+  for (const std::vector<std::string>& flags : {std::vector<std::string>{}, {"--each"}}) {
+    ASSERT_EQ(place.run(flags).code, 0);
+    double with_pose = 0, after = 0, sum = 0;
+    std::size_t before = 0;
+    for (const json& line : place.lines()) {
+      if (after == 0 && line["status"] != "ok") {
+        ++before;
+        continue;
+      }
+      ++after;
+      if (line["status"] != "ok" && line["status"] != "degraded") continue;
+      ++with_pose;
+      sum += line["confidence"].get<double>();
+    }
+    ASSERT_GE(before, 40U);
+    const json summary = place.summary();
+    EXPECT_NEAR(summary["verdict_probability"].get<double>(), sum / after, 1e-4);
+    EXPECT_EQ(summary["verdict"], with_pose / after >= 0.9 && sum / after >= 0.95 ? "good" : "doubtful");
+  }
+}
+
 TEST(LocalizeCommand, AGivenPoseIsTaken) {
   const Place place;
   EXPECT_EQ(place.run({"--initial", "0.1,-0.1,3"}).code, 0);
@@ -105,6 +147,32 @@ TEST(LocalizeCommand, AGivenPoseIsTaken) {
   EXPECT_EQ(place.run({"--initial", "0,0,0", "--each"}).code, 2);
 }
 
+/// What is known of the sensor makes the heading less sure, by how much its whole revolutions turn.
+TEST(LocalizeCommand, ASensorWhoseRevolutionsTurnWidensTheHeading) {
+  const Place place;
+  ASSERT_EQ(place.run().code, 0);
+  const std::vector<json> plain = place.lines();
+  place.folder.put("turning.yaml", "beams: 450\nrevolution_turn_deg: 0.5\n");
+  for (const std::vector<std::string>& flags : {std::vector<std::string>{}, {"--each"}}) {
+    std::vector<std::string> with = flags;
+    with.insert(with.end(), {"--sensor", place.folder / "turning.yaml"});
+    ASSERT_EQ(place.run(flags).code, 0);
+    const std::vector<json> without = place.lines();
+    const auto run = place.run(with);
+    ASSERT_EQ(run.code, 0) << run.err;
+    const std::vector<json> widened = place.lines();
+    const double turn = deg_to_rad(0.5), was = without[5]["covariance"][8].get<double>();
+    EXPECT_NEAR(widened[5]["covariance"][8].get<double>(), was + turn * turn, 1e-9);
+    EXPECT_EQ(widened[5]["pose"], without[5]["pose"]);
+    EXPECT_EQ(widened[5]["confidence"], without[5]["confidence"]);
+  }
+  EXPECT_EQ(place.run({"--sensor", "ld06-real"}).code, 0);
+  EXPECT_GT(place.lines()[5]["covariance"][8], plain[5]["covariance"][8]);
+  const auto unknown = place.run({"--sensor", "no-such-sensor"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("no-such-sensor"));
+}
+
 TEST(LocalizeCommand, ASavedRunIsAMapToo) {
   const Place place;
   const std::string state = place.folder / "toy.state";
@@ -112,6 +180,10 @@ TEST(LocalizeCommand, ASavedRunIsAMapToo) {
   const auto run = run_command({"localize", "--state", state, place.folder / "toy.log", "--out", place.folder / "out"});
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_GT(place.summary()["statuses"]["ok"], 90);
+  const auto mistaken =
+      run_command({"localize", "--map", state, place.folder / "toy.log", "--out", place.folder / "no"});
+  EXPECT_EQ(mistaken.code, 2);
+  EXPECT_THAT(mistaken.err, HasSubstr("is a saved run; expected a map_server yaml"));
   EXPECT_EQ(run_command({"localize", "--state", place.folder / "toy.log", place.folder / "toy.log", "--out",
                          place.folder / "no"})
                 .code,

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "support/command.hpp"
@@ -62,6 +63,48 @@ TEST(LogFlags, GeometryUnitsAndCutsComeFromFlags) {
   EXPECT_TRUE(scans[0]["ranges"][90].is_null()) << "ahead, in the mask";
   EXPECT_EQ(scans[0]["ranges"][180].get<double>(), 4.0) << "out of range: range_max + 1";
   EXPECT_FLOAT_EQ(scans[0]["ranges"][0].get<float>(), 2.01F);
+}
+
+TEST(LogFlags, AReplayAndACalibrationEndWhereToSays) {
+  const TempFolder folder;
+  folder.put("log.txt", numbers(5, 182));
+  const std::vector<std::string> shape{"--columns", "stamp_ms,ranges_mm", "--fov", "180", "--from", "0.05", "--to",
+                                       "0.25"};
+  std::vector<std::string> live{"live", "--replay", folder / "log.txt", "--serve", "off", "--json"};
+  live.insert(live.end(), shape.begin(), shape.end());
+  const CommandResult replay = run_command(live);
+  EXPECT_EQ(replay.code, 0) << replay.err;
+  EXPECT_EQ(std::count(replay.out.begin(), replay.out.end(), '\n'), 2) << replay.out;
+  std::vector<std::string> calibrate{"calibrate", folder / "log.txt", "--out", folder / "sensor.yaml"};
+  calibrate.insert(calibrate.end(), shape.begin(), shape.end());
+  EXPECT_EQ(run_command(calibrate).code, 1) << "it ran: two scans are too few";
+}
+
+TEST(LogFlags, FlagsThatCannotHoldForALogAreRefused) {
+  const TempFolder folder;
+  const std::string log = folder.put("log.jsonl", R"({"angle_min":0,"angle_increment":0.1,"ranges":[1,2,3],"stamp":1})"
+                                                  "\n");
+  for (const auto& [flags, said] :
+       {std::pair<std::vector<std::string>, std::string>{{"--frame", "laser"}, "no --frame"},
+        {{"--topic", "/scan"}, "no --topic"},
+        {{"--range-min", "5", "--range-max", "3"}, "not below --range-max"},
+        {{"--from", "5", "--to", "3"}, "is after --to"}}) {
+    std::vector<std::string> words{"convert", log, folder / "out.jsonl"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    expect_refusal(words, said);
+    EXPECT_FALSE(std::filesystem::exists(folder / "out.jsonl")) << said;
+  }
+  EXPECT_EQ(run_command({"convert", log, folder / "out.jsonl", "--range-min", "1", "--range-max", "3"}).code, 0);
+}
+
+TEST(LogFlags, ARecordingIsNeverWrittenOver) {
+  const TempFolder folder;
+  const std::string text = R"({"angle_min":0,"angle_increment":0.1,"ranges":[1,2,3],"stamp":1})";
+  const std::string log = folder.put("log.jsonl", text + "\n");
+  expect_refusal({"convert", log, log, "--range-max", "2"}, "is the log itself");
+  expect_refusal({"convert", log, folder.path() + "/./log.jsonl"}, "is the log itself");
+  expect_refusal({"calibrate", log, "--out", log}, "is the log itself");
+  EXPECT_EQ(test::slurp(log), text + "\n");
 }
 
 TEST(LogFlags, WhatWasAssumedIsSaid) {

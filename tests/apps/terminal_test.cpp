@@ -77,6 +77,18 @@ TEST(Terminal, ConvertBenchAndPairsNameWhatTheyMade) {
                     HasSubstr("open    " + out + "/results.md")));
 }
 
+TEST(Terminal, SimulateNamesTheLogItsTruthOrThePairs) {
+  const TempFolder folder;
+  const std::pair<std::string, std::string> plain{"NO_COLOR", "1"};
+  const std::string log = folder / "drive.jsonl", pairs = folder / "pairs.jsonl";
+  const std::vector<std::string> words{"simulate", "--world", "flat:3", "--duration", "3", "--out", log};
+  EXPECT_THAT(run_on_terminal(words, {plain}).out,
+              AllOf(ContainsRegex("scans  [0-9]+ in 3 s"), HasSubstr("wrote  " + log + ", " + log + ".truth.tum")));
+  EXPECT_EQ(run_command(words).out, "");
+  EXPECT_THAT(run_on_terminal({"simulate", "--world", "flat", "--pairs", "2", "--out", pairs}, {plain}).out,
+              HasSubstr("pairs  2\r\nwrote  " + pairs));
+}
+
 TEST(Terminal, ProgressOfALogKnowsItsLengthUnlessItIsAPipe) {
   const TempFolder folder;
   const std::string log = folder.put("drive.log", testing::toy_log(200).flaser);

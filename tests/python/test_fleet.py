@@ -40,10 +40,27 @@ def test_a_manifest_that_cannot_be_read_is_one_line(place, capsys):
     told = capsys.readouterr().err
     assert told.count("\n") == 1 and told.startswith("phasescan: ") and "nothing: cannot be read" in told
     assert not (place / "out").exists()
-    with pytest.raises(SystemExit) as stopped:
-        cli.main(["run", "x"])
-    assert stopped.value.code == 2
-    assert cli.main(["run", "x", "--out", "y", "--workers", "-1"]) == 2
+
+
+def test_wrong_usage_of_the_fleet_is_one_line(place, capsys):
+    (place / "manifest.txt").write_text("c.log\n")
+    (place / "wrong.yaml").write_text("map:\n  no_such_option: 1\n")
+    manifest_txt, out = str(place / "manifest.txt"), str(place / "out")
+    for wrong, told in ((["run", "x"], "--out"), ([], "what"), (["run", "x", "--out", out, "--bogus"], "--bogus"),
+                        (["run", "x", "--out", out, "--workers", "two"], "--workers"),
+                        (["run", manifest_txt, "--out", out, "--workers", "0"], "--workers: is 0"),
+                        (["run", manifest_txt, "--out", out, "--workers", "-1"], "--workers: is -1"),
+                        (["run", manifest_txt, "--out", out, "--config", str(place / "nothing.yaml")], "nothing.yaml: no such file"),
+                        (["run", manifest_txt, "--out", out, "--config", str(place / "wrong.yaml")], "wrong.yaml:2: unknown option"),
+                        (["run", manifest_txt, "--out", str(place / "c.log")], "c.log: is a file"),
+                        (["run", manifest_txt, "--out", str(place / "c.log" / "below")], "below: is a file, or lies in one")):
+        try:
+            code = cli.main(wrong)
+        except SystemExit as stopped:
+            code = stopped.code
+        error = capsys.readouterr().err
+        assert code == 2 and error.count("\n") == 1 and error.startswith("phasescan: ") and told in error, (wrong, error)
+    assert not (place / "out").exists() and (place / "c.log").read_text() == "x"
 
 
 def test_tasks_hold_neighbours_up_to_a_tenth_of_a_share():

@@ -54,6 +54,32 @@ def test_slam_gives_poses_and_a_map(drive):
         slam.add(drive[0])
 
 
+def test_a_run_says_how_far_it_can_be_trusted(drive, command, tmp_path):
+    drive.save(tmp_path / "drive.jsonl")
+    subprocess.run([command, "slam", "drive.jsonl", "--out", "out"], cwd=tmp_path, check=True, capture_output=True)
+    told = json.loads((tmp_path / "out" / "summary.json").read_text())
+    result = run_of(phasescan.open_log(tmp_path / "drive.jsonl")).finish()
+    verdict = result.verdict
+    assert verdict.verdict == str(verdict) == told["verdict"] == "good" and verdict == "good" and verdict != "failed"
+    assert verdict.probability == pytest.approx(told["verdict_probability"], abs=1e-3) and verdict.probability >= 0.95
+    assert verdict.evidence["scans"] == len(drive) and "good" in repr(verdict) and "SlamResult good" in repr(result)
+    assert [f["kind"] for f in result.findings] == [r["kind"] for r in told["reasons"]]
+
+
+def test_a_run_that_nothing_ties_is_not_called_good(drive):
+    slam = phasescan.Slam()
+    other = phasescan.simulate("office", seed=8, duration_s=15.0)
+    for entry in drive:
+        slam.add(entry)
+    slam.begin_session()
+    for entry in other:
+        slam.add(entry)
+    result = slam.finish()
+    assert result.verdict == "doubtful" and result.verdict.probability < 0.95
+    assert result.findings[0]["kind"] == "pieces" and "SlamResult doubtful" in repr(result)
+    assert [part.verdict.verdict for part in result.parts] == ["good", "good"]
+
+
 def test_the_map_outlives_its_run(drive):
     grid = run_of(list(drive)[:10]).finish().map
     assert (grid.cells == 100).any()

@@ -1,8 +1,11 @@
 // The file around a state: sections with checksums, whole or refused.
 #include "state/container.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <system_error>
@@ -112,6 +115,42 @@ TEST(StateContainer, AFileIsReplacedWholeOrNotAtAll) {
   EXPECT_THROW(replace_file(folder.path(), "x"), std::system_error);
   EXPECT_THROW(read_bytes(folder / "none"), std::system_error);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+/// A pipe stands for a device here: a file put in its place would take the device from the machine.
+TEST(StateContainer, ADeviceIsWrittenToAndNeverReplaced) {
+  const test::TempFolder folder;
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(reader, 0);
+  replace_file(pipe, "bytes");
+  char got[16] = {};
+  EXPECT_EQ(::read(reader, got, sizeof got), 5);
+  EXPECT_STREQ(got, "bytes");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  ::close(reader);
+}
+
+TEST(StateContainer, ALinkStaysOneAndItsFileIsReplaced) {
+  const test::TempFolder folder;
+  const std::string file = folder / "a.state", link = folder / "latest.state";
+  replace_file(file, "first");
+  std::filesystem::create_symlink("a.state", link);
+  replace_file(link, "second");
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(read_bytes(file), "second");
+}
+
+/// The name of the file beside it is nobody's concern.
+TEST(StateContainer, ARefusalNamesTheFileThatWasAskedFor) {
+  const test::TempFolder folder;
+  try {
+    replace_file(folder / "none/a.state", "x");
+    FAIL() << "written";
+  } catch (const std::system_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("none/a.state: "));
+  }
 }
 
 }  // namespace

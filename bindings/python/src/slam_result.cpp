@@ -62,6 +62,26 @@ py::list edges_list(const SlamResult& result) {
   return out;
 }
 
+void bind_verdict(py::module_& module) {
+  py::class_<RunVerdict> type(module, "RunVerdict",
+                              "What a run says of itself; its reasons are the findings of the SlamResult.");
+  type.def_property_readonly(
+      "verdict", [](const RunVerdict& v) { return std::string(to_string(v.verdict)); },
+      "str: good (probability from 0.95 on), doubtful, or failed (up to 0.2, or most scans are on no map).");
+  type.def_property_readonly(
+      "probability", [](const RunVerdict& v) { return v.probability; },
+      "float: That the trajectory is within 0.2 m or 1 % of the way (absolute error, root mean square).");
+  type.def_property_readonly(
+      "evidence", [](const RunVerdict& v) { return v.evidence; }, "dict of float: Numbers that it rests on.");
+  type.def("__str__", [](const RunVerdict& v) { return std::string(to_string(v.verdict)); });
+  type.def(
+      "__eq__", [](const RunVerdict& v, const std::string& word) { return word == to_string(v.verdict); },
+      py::is_operator(), "Whether its word is this one: ``result.verdict == 'good'``.");
+  type.def("__repr__", [](const RunVerdict& v) {
+    return fmt::format("<RunVerdict {}, probability {:.3f}>", to_string(v.verdict), v.probability);
+  });
+}
+
 void write_tum(const SlamResult& result, const std::filesystem::path& path) {
   std::vector<StampedPose> poses;
   for (const ScanResult& scan : result.scans) poses.push_back({scan.stamp, scan.T_map_base});
@@ -110,6 +130,7 @@ void bind_scan_values(py::class_<SlamResult, Result>& type) {
 }  // namespace
 
 void bind_slam_result(py::module_& module) {
+  bind_verdict(module);
   py::class_<SlamResult, Result> type(module, "SlamResult", "The finished run: poses, graph, map, and what was odd.");
   bind_scan_values(type);
   type.def_property_readonly(
@@ -128,8 +149,13 @@ void bind_slam_result(py::module_& module) {
       py::return_value_policy::reference_internal, "TrinaryMap.");
   type.def_property_readonly("loops", &loops_dict, "dict of int: compared, found, accepted, ...");
   type.def_property_readonly("oddities", &oddities_dict, "dict of dict: What is odd about the input, by kind.");
-  type.def_property_readonly("findings", &findings_list,
-                             "list of dict: What speaks against the map or was done to save it.");
+  type.def_property_readonly(
+      "findings", &findings_list,
+      "list of dict: kind, count, first_stamp [s], what: what speaks against the map or was done "
+      "to save it, strongest first.");
+  type.def_property_readonly(
+      "verdict", [](const SlamResult& r) { return r.verdict; },
+      "RunVerdict: good, doubtful or failed, with a probability; its reasons are the findings.");
   type.def_property_readonly(
       "pieces", [](const SlamResult& r) { return r.pieces; }, "int: That nothing ties.");
   type.def_property_readonly(
@@ -144,9 +170,9 @@ void bind_slam_result(py::module_& module) {
   type.def("write_tum", &write_tum, py::arg("path"), "Writes the trajectory as `stamp x y z qx qy qz qw` lines.");
   type.def("__len__", [](const SlamResult& r) { return r.scans.size(); });
   type.def("__repr__", [](const SlamResult& r) {
-    return fmt::format("<SlamResult of {} scans, {} keyframes, {} loops, map of {:.1f} m x {:.1f} m>", r.scans.size(),
-                       r.keyframes.size(), r.loops.accepted, r.map.width * r.map.resolution_m,
-                       r.map.height * r.map.resolution_m);
+    return fmt::format("<SlamResult {} of {} scans, {} keyframes, {} loops, map of {:.1f} m x {:.1f} m>",
+                       to_string(r.verdict.verdict), r.scans.size(), r.keyframes.size(), r.loops.accepted,
+                       r.map.width * r.map.resolution_m, r.map.height * r.map.resolution_m);
   });
 }
 

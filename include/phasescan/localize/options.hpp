@@ -14,6 +14,7 @@ struct LocalizeOptions {
   int finalists = 10;
   int max_hypotheses = 12;
   double search_every_m = 0.5;
+  double revolution_turn_deg = -1.0;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -30,6 +31,10 @@ struct LocalizeOptions {
       OptionInfo{"", "poses that are followed while a place is ambiguous", 1, 200});
     v("search_every_m", self.search_every_m,
       OptionInfo{"m", "way after which the whole map is searched again while the pose is not sure", 0.05, 100});
+    v("revolution_turn_deg", self.revolution_turn_deg,
+      OptionInfo{"deg",
+                 "whole revolutions turn by this (standard deviation), which widens covariances; below 0: not known",
+                 -1, 10});
   }
 };
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 import argparse
 import os
 import pathlib
+import subprocess
 import sys
-from typing import Sequence
+from typing import NoReturn, Sequence
 
 from ..command import find_command
 from .manifest import ManifestError, read_manifest
@@ -14,16 +15,23 @@ from .record import Settings
 DONE, NOT_READABLE, SYSTEM, INTERRUPTED = 0, 2, 3, 130
 
 
+class _Parser(argparse.ArgumentParser):
+    """Wrong usage is one line, as of `phasescan`."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(NOT_READABLE, f"phasescan: {message}; expected what `{self.prog} --help` says\n")
+
+
 def parser() -> argparse.ArgumentParser:
     """What the command takes."""
-    top = argparse.ArgumentParser(prog="python3 -m phasescan.fleet", description="A map of each log, which logs share a place, a map of those that do.")
+    top = _Parser(prog="python3 -m phasescan.fleet", description="A map of each log, which logs share a place, a map of those that do.")
     commands = top.add_subparsers(dest="what", required=True)
     run = commands.add_parser("run", help="all of it; what is done already is left as it is")
     run.add_argument("manifest", metavar="MANIFEST", help="a text file with a log, a glob or a folder a line; names are relative to it")
     run.add_argument("--out", required=True, metavar="DIR", help="fleet.sqlite, report.html, groups.json, a folder for each log and group")
     where = run.add_mutually_exclusive_group()
     where.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler that runs, tcp://HOST:8786; its workers see the same files")
-    where.add_argument("--workers", type=int, default=0, metavar="N", help="processes here; one a core unless given")
+    where.add_argument("--workers", type=int, metavar="N", help="processes here; one a core unless given")
     run.add_argument("--config", metavar="FILE.yaml", help="options of `phasescan slam`, for all logs")
     run.add_argument("--odometry", choices=("auto", "none"), default="auto", help="as of `phasescan slam`")
     run.add_argument("--log-limit", type=float, default=3600.0, metavar="S", help="a log that takes longer is broken [s]")
@@ -42,7 +50,7 @@ def settings_of(flags: argparse.Namespace) -> Settings:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command line. Returns its exit code."""
     flags = parser().parse_args(arguments)
-    if flags.workers < 0:
+    if flags.workers is not None and flags.workers < 1:
         return _fail(f"--workers: is {flags.workers}; expected 1 or more", NOT_READABLE)
     try:
         logs = read_manifest(flags.manifest)
@@ -50,7 +58,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _fail(str(error), NOT_READABLE)
     try:
         settings = settings_of(flags)
-        os.makedirs(settings.out, exist_ok=True)
+        if flags.config and (refusal := _refusal_of(settings.command, flags.config)):
+            return _fail(refusal, NOT_READABLE)
+        try:
+            os.makedirs(settings.out, exist_ok=True)
+        except (FileExistsError, NotADirectoryError):
+            return _fail(f"{flags.out}: is a file, or lies in one; expected a folder", NOT_READABLE)
         from .engine import open_engine, progress  # Dask takes a second to load
         from .run import run_fleet
 
@@ -67,6 +80,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"phasescan: {line}", file=sys.stderr)
     print(f"{len(rows)} logs, {len(broken)} of them broken; open {settings.out}/report.html", file=sys.stderr)
     return DONE
+
+
+def _refusal_of(command: str, config: str) -> str:
+    """What the command has against a file of options; else nothing. Asked once, where each log would break on it."""
+    told = subprocess.run([command, "config", "--dump", "--config", config], capture_output=True, text=True, check=False)
+    return told.stderr.strip().removeprefix("phasescan: ") if told.returncode != DONE else ""
 
 
 def _fail(text: str, code: int) -> int:
