@@ -53,8 +53,11 @@ struct RunEvidence {
   // Loops that were found, by what became of them: share.
   double loops_found = 0;  ///< their number
   double undone = 0, beyond_drift = 0, alike = 0, inconsistent = 0;
-  double doubted = 0;         ///< the last three: places look like others here
-  double unseen_doubted = 0;  ///< times unseen_ratio: what brings the way back together may be another place
+  double doubted = 0;               ///< the last three: places look like others here
+  double unseen_doubted = 0;        ///< times unseen_ratio: what brings the way back together may be another place
+  double open_doubted = 0;          ///< doubted times expected_ratio: scans leave the way open, and so do loops
+  double degraded_unconfirmed = 0;  ///< degraded, no wheels, and few loops
+  double degraded_bent = 0;  ///< degraded times step_chi2_tail, no wheels: the graph bends what wide searches found
   // Wheels: steps for each scan, and shares of the steps.
   double wheels = 0, wheels_agreed = 0, wheels_slipped = 0, wheels_reversed = 0, wheels_jumped = 0;
   // The map against its own scans.
@@ -136,6 +139,9 @@ struct RunEvidence {
     v("inconsistent", self.inconsistent);
     v("doubted", self.doubted);
     v("unseen_doubted", self.unseen_doubted);
+    v("open_doubted", self.open_doubted);
+    v("degraded_unconfirmed", self.degraded_unconfirmed);
+    v("degraded_bent", self.degraded_bent);
   }
   template <class Comparison, class Visitor>
   static void visit_comparison(const std::string& name, Comparison& c, Visitor& v) {

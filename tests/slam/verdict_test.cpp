@@ -158,6 +158,48 @@ TEST(Verdict, WheelsThatAgreeAnswerForScansThatWereLost) {
   EXPECT_GT(jumped.at("unseen_ratio"), 0.9 * alone.at("unseen_ratio"));
 }
 
+TEST(Verdict, WideSearchesThatSomethingConfirmsAreNoBadSign) {
+  const double best = judge_run(faultless(), false).verdict.probability;
+  const auto with = [](auto&& change) {
+    RunEvidence e = faultless();
+    e.degraded = 0.97;
+    change(e);
+    return judge_run(e, false).verdict.probability;
+  };
+  EXPECT_EQ(with([](RunEvidence&) {}), best) << "by itself it says how far the scans are apart";
+  EXPECT_LT(with([](RunEvidence& e) { e.degraded_unconfirmed = 0.97; }), best);
+  EXPECT_LT(with([](RunEvidence& e) { e.degraded_bent = 8.0; }), 0.95);
+  EXPECT_LT(with([](RunEvidence& e) { e.open_doubted = 2.0; }), 0.95);
+}
+
+TEST(Verdict, AThinnedLogIsGoodAndWheelsAndLoopsConfirmItsSteps) {
+  testing::ToyLog without = testing::turning_lidar_log(400);
+  std::vector<RangeMeasurement> kept;
+  std::vector<Pose2> truth;
+  for (std::size_t i = 0; i < without.measurements.size(); i += 6) {
+    kept.push_back(without.measurements[i]);
+    truth.push_back(without.truth[i]);
+  }
+  without.measurements = kept, without.truth = truth;
+  testing::ToyLog with = without;
+  for (std::size_t i = 0; i < with.measurements.size(); ++i) with.measurements[i].T_odom_base = with.truth[i];
+  const SlamResult alone = run(without), aided = run(with);
+  EXPECT_EQ(alone.verdict.verdict, Verdict::kGood) << alone.verdict.probability;
+  const auto& a = alone.verdict.evidence;
+  ASSERT_GT(a.at("degraded"), 0.5) << "nearly all need wide searches";
+  ASSERT_GT(a.at("loops_per_keyframe"), 0.2);
+  ASSERT_GT(a.at("step_chi2_tail"), 0.0);
+  EXPECT_NEAR(a.at("degraded_unconfirmed"), a.at("degraded") / (1.0 + 2.0 * a.at("loops_per_keyframe")), 1e-9);
+  EXPECT_NEAR(a.at("degraded_bent"), a.at("degraded") * a.at("step_chi2_tail"), 1e-9);
+  EXPECT_NEAR(a.at("open_doubted"), a.at("expected_ratio") * a.at("doubted"), 1e-9);
+  const auto& w = aided.verdict.evidence;
+  ASSERT_GT(w.at("degraded"), 0.5);
+  const double unaided = 1.0 - std::min(1.0, w.at("wheels")) * w.at("wheels_agreed");
+  ASSERT_LT(unaided, 0.3) << "wheels agree";
+  EXPECT_NEAR(w.at("degraded_bent"), unaided * w.at("degraded") * w.at("step_chi2_tail"), 1e-9);
+  EXPECT_LE(w.at("degraded_unconfirmed"), unaided * w.at("degraded"));
+}
+
 TEST(Verdict, DrivesThatNothingTiesAreInPieces) {
   const testing::ToyLog one = testing::turning_lidar_log(60);
   Slam slam;
