@@ -28,7 +28,7 @@ FEATURES = [
     ("far_tail_crossed", "contradiction", 0.15, -1.5), ("far_tail_in_free", "contradiction", 0.3, -1.0), ("excess_crossed", "contradiction", 0.03, -0.7),
     ("excess_in_free", "contradiction", 0.05, -0.5), ("near_tail_against", "contradiction", 0.3, -0.5), ("far_tail_doubled", "doubled_walls", 0.15, -1.2),
     ("excess_doubled", "doubled_walls", 0.03, -0.5), ("expected_ratio", "gaps", 0.5, -1.8), ("lost_unaided", "gaps", 0.05, -1.0), ("unseen_ratio", "gaps", 8.0, -1.4), ("jump_ratio", "gaps", 1.0, -1.2),
-    ("off_map", "pieces", 0.03, -1.0), ("no_overlap", "bad_scans", 0.1, -0.4), ("kept", "bad_scans", 0.15, -0.4),
+    ("off_map", "pieces", 0.03, -1.0), ("off_map_ratio", "pieces", 0.2, -0.7), ("no_overlap", "bad_scans", 0.1, -0.4), ("kept", "bad_scans", 0.15, -0.4),
     ("degraded_unconfirmed", "bad_scans", 0.5, -0.7), ("left_out", "bad_scans", 0.1, -0.3),
     ("step_chi2_tail", "aliasing", 3.0, -0.7), ("bend_ratio", "aliasing", 0.3, -0.7), ("loop_chi2_tail", "aliasing", 10.0, -0.3),
     ("unseen_doubted", "aliasing", 1.0, -0.7), ("open_doubted", "aliasing", 0.5, -1.5), ("degraded_bent", "aliasing", 2.0, -1.2), ("wheels_slipped", "wheels", 0.3, -0.3)]

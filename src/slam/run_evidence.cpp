@@ -271,8 +271,8 @@ void combine(RunEvidence& e) {
   e.doubted = e.beyond_drift + e.alike + e.inconsistent;
   e.unseen_doubted = e.unseen_ratio * e.doubted;
   e.open_doubted = e.expected_ratio * e.doubted;
-  // Where scans are few all need wide searches: a bad sign where nothing confirms what is found, or the graph bends it.
-  const double wide = unaided * e.degraded;
+  e.off_map_ratio = std::sqrt(e.off_map) / right_m(e);
+  const double wide = unaided * e.degraded;  // where scans are few that is no bad sign by itself
   e.degraded_unconfirmed = wide / (1.0 + e.loops_per_keyframe / kUsualLoops);
   e.degraded_bent = wide * e.step_chi2_tail;
 }

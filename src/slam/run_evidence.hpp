@@ -19,14 +19,15 @@ struct RunEvidence {
   double scans = 0, keyframes = 0, way_m = 0, duration_s = 0;
   double points = 0;  ///< on surfaces, of a keyframe in the middle
   // Scans, of those with a return.
-  double on_map = 0;        ///< matched, on the map drawn, not left out: share
-  double lost = 0;          ///< not matched
-  double lost_unaided = 0;  ///< and with no wheels that agree elsewhere
-  double degraded = 0;      ///< matched, but only by a wide search or with much unexplained
-  double ambiguous = 0;     ///< matched, with a direction open
-  double left_out = 0;      ///< fits neither neighbour
-  double off_map = 0;       ///< in a piece that nothing ties to the map
-  double repeated = 0;      ///< of all messages
+  double on_map = 0;         ///< matched, on the map drawn, not left out: share
+  double lost = 0;           ///< not matched
+  double lost_unaided = 0;   ///< and with no wheels that agree elsewhere
+  double degraded = 0;       ///< matched, but only by a wide search or with much unexplained
+  double ambiguous = 0;      ///< matched, with a direction open
+  double left_out = 0;       ///< fits neither neighbour
+  double off_map = 0;        ///< in a piece that nothing ties to the map
+  double off_map_ratio = 0;  ///< error of the run if these stand 1 m off, by what a right map may be off
+  double repeated = 0;       ///< of all messages
   // Time without a scan that says anything, and what the robot did then, as the map has it.
   double gaps = 0;              ///< share of the time in steps of more than 1.8 periods
   double longest_gap_s = 0;     ///< between two scans that were matched
@@ -93,6 +94,7 @@ struct RunEvidence {
     v("ambiguous", self.ambiguous);
     v("left_out", self.left_out);
     v("off_map", self.off_map);
+    v("off_map_ratio", self.off_map_ratio);
     v("repeated", self.repeated);
     v("gaps", self.gaps);
     v("longest_gap_s", self.longest_gap_s);

@@ -21,30 +21,31 @@ struct Feature {
 };
 
 // Fitted by tools/verdict_fit.py on simulated runs. None of the numbers grows with the length of a run by itself.
-constexpr double kConstant = 5.00;
+constexpr double kConstant = 5.10;
 constexpr std::array kFeatures{
-    Feature{"far_tail_crossed", "contradiction", 0.15, -1.08},
-    Feature{"far_tail_in_free", "contradiction", 0.3, -1.08},
-    Feature{"excess_crossed", "contradiction", 0.03, -0.68},
-    Feature{"excess_in_free", "contradiction", 0.05, -0.49},
+    Feature{"far_tail_crossed", "contradiction", 0.15, -1.10},
+    Feature{"far_tail_in_free", "contradiction", 0.3, -1.09},
+    Feature{"excess_crossed", "contradiction", 0.03, -0.69},
+    Feature{"excess_in_free", "contradiction", 0.05, -0.50},
     Feature{"near_tail_against", "contradiction", 0.3, -0.53},
     Feature{"far_tail_doubled", "doubled_walls", 0.15, -1.29},
-    Feature{"excess_doubled", "doubled_walls", 0.03, -0.70},
+    Feature{"excess_doubled", "doubled_walls", 0.03, -0.71},
     Feature{"expected_ratio", "gaps", 0.5, -1.41},
-    Feature{"lost_unaided", "gaps", 0.05, -1.12},
+    Feature{"lost_unaided", "gaps", 0.05, -1.08},
     Feature{"unseen_ratio", "gaps", 8.0, -1.65},
     Feature{"jump_ratio", "gaps", 1.0, -1.50},
-    Feature{"off_map", "pieces", 0.03, -1.20},
-    Feature{"no_overlap", "bad_scans", 0.1, -0.63},
-    Feature{"kept", "bad_scans", 0.15, -0.62},
+    Feature{"off_map", "pieces", 0.03, -0.80},
+    Feature{"off_map_ratio", "pieces", 0.2, -0.43},
+    Feature{"no_overlap", "bad_scans", 0.1, -0.61},
+    Feature{"kept", "bad_scans", 0.15, -0.64},
     Feature{"degraded_unconfirmed", "bad_scans", 0.5, -0.70},
     Feature{"left_out", "bad_scans", 0.1, -0.31},
-    Feature{"step_chi2_tail", "aliasing", 3.0, -0.84},
+    Feature{"step_chi2_tail", "aliasing", 3.0, -0.86},
     Feature{"bend_ratio", "aliasing", 0.3, -0.76},
-    Feature{"loop_chi2_tail", "aliasing", 10.0, -0.54},
-    Feature{"unseen_doubted", "aliasing", 1.0, -0.76},
-    Feature{"open_doubted", "aliasing", 0.5, -1.29},
-    Feature{"degraded_bent", "aliasing", 2.0, -1.62},
+    Feature{"loop_chi2_tail", "aliasing", 10.0, -0.56},
+    Feature{"unseen_doubted", "aliasing", 1.0, -0.77},
+    Feature{"open_doubted", "aliasing", 0.5, -1.30},
+    Feature{"degraded_bent", "aliasing", 2.0, -1.63},
     Feature{"wheels_slipped", "wheels", 0.3, -0.23},
 };
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "phasescan/slam/slam.hpp"
 #include "support/toy_logs.hpp"
@@ -54,6 +55,7 @@ TEST(Verdict, WhatSpeaksAgainstAMapNeverMakesItBetter) {
   EXPECT_LT(worse([](RunEvidence& e) { e.step_chi2_tail = 30.0, e.unseen_doubted = 10.0; }), 0.95);
   EXPECT_LT(worse([](RunEvidence& e) { e.expected_ratio = 10.0; }), 0.95);
   EXPECT_LT(worse([](RunEvidence& e) { e.off_map = 0.4, e.breaks = 4.0; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.off_map = 0.1, e.off_map_ratio = 1.0; }), 0.95);
   EXPECT_LE(worse([](RunEvidence& e) { e.wheels_slipped = 0.5; }), best);
 }
 
@@ -222,6 +224,23 @@ TEST(Verdict, DrivesThatNothingTiesAreInPieces) {
     EXPECT_EQ(part.verdict.evidence.at("scans"), 60.0);
     EXPECT_GT(part.verdict.evidence.at("keyframes"), 2.0);
   }
+}
+
+TEST(Verdict, ScansOffTheMapAreWeighedByWhatARightMapMayBeOff) {
+  testing::ToyLog log = testing::turning_lidar_log(60);
+  Random random(5);
+  const double begin = stamp_to_seconds(log.measurements.back().scan.stamp) + 100.0;
+  for (std::size_t i = 0; i < 30; ++i) {
+    const Pose2 pose{4.0 + 0.04 * static_cast<double>(i), 0.0, 0.0};
+    log.measurements.push_back({testing::toy_scan(testing::corridor_with_niches(30.0, 0.7), pose, {}, random,
+                                                  stamp_from_seconds(begin + 0.18 * static_cast<double>(i)))});
+  }
+  const SlamResult result = run(log);
+  const auto& e = result.verdict.evidence;
+  ASSERT_GT(e.at("off_map"), 0.2) << "carried elsewhere: nothing ties these scans to the map";
+  ASSERT_LT(e.at("way_m"), 20.0);
+  EXPECT_NEAR(e.at("off_map_ratio"), std::sqrt(e.at("off_map")) / 0.2, 1e-9);
+  EXPECT_NE(result.verdict.verdict, Verdict::kGood);
 }
 
 TEST(Verdict, WheelsThatSlipAreAReason) {
