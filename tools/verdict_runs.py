@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """What the verdict of a run is worth: simulated logs, half of them clean and half dirty, each run through slam and compared with its truth.
 
-usage: verdict_runs.py [--runs N] [--first-seed K] [--variants N] [--jobs N] [--logs FOLDER] [--rows FILE]
+usage: verdict_runs.py [--runs N] [--first-seed K] [--variants N] [--sparse] [--jobs N] [--logs FOLDER] [--rows FILE]
 A log follows from its seed alone: sensor, world, way, wheels, and for odd seeds what is wrong with it (KINDS). --logs keeps them; those that are
 there already are used. --variants: of each log so many more with other dirt, half of them without its wheels: runs to fit constants on, most of
-them hard. --rows: a line of JSON per run, with the evidence that the verdict rests on; runs that have one are not made again. $PHASESCAN names another command than
+them hard. --sparse: logs of few scans or few beams instead, most of them clean otherwise. --rows: a line of JSON per run, with the evidence that the verdict rests on; runs that have one are not made again. $PHASESCAN names another command than
 build/release/bin/phasescan.
 """
 import argparse
@@ -27,6 +27,7 @@ import repeating_worlds  # noqa: E402
 COMMAND = os.environ.get("PHASESCAN", str(HERE / "build/release/bin/phasescan"))
 SENSORS = {"rplidar-a1": 5.5, "rplidar-a1-real": 5.5, "ydlidar-x4": 7.0, "ydlidar-x4-real": 7.0, "ld06": 10.0, "ld06-real": 10.0,
            "rplidar-c1": 10.0, "rplidar-c1-real": 10.0}  # turns a second
+SPARSE_SENSORS = {"urg-04lx": 10.0, "urg-04lx-real": 10.0, "ydlidar-x4-real": 7.0, "rplidar-a1-real": 5.5, "ld06-real": 10.0, "hall-30m": 10.0}
 FIRST_TEST_SEED = 100101  # no constant is fitted on runs from here on, nor is any of them looked at when features are chosen
 WORLDS = {"flat": 4, "office": 3, "building": 2, "corridor": 1, "hall": 1}  # by share
 
@@ -83,6 +84,41 @@ def short_range(scans, chance):
         s["ranges"] = [r if r <= most else 0 for r in s["ranges"]]
 
 
+def every_nth_scan(scans, chance):
+    """A log that was thinned out: one scan in 2 to 10 is kept."""
+    scans[:] = scans[::chance.randint(2, 10)]
+
+
+def by_way(scans, chance):
+    """A log of a mapping program: a scan at every 0.3 to 0.6 m, and where the robot turned by 0.3 to 0.6 rad."""
+    far, turn, kept, last = chance.uniform(0.3, 0.6), chance.uniform(0.3, 0.6), [], None
+    for s in scans:
+        x, y, theta = s["truth"]
+        if last is None or math.hypot(x - last[0], y - last[1]) >= far or abs(math.remainder(theta - last[2], math.tau)) >= turn:
+            kept.append(s)
+            last = (x, y, theta)
+    scans[:] = kept
+
+
+def few_beams(scans, chance):
+    """One beam in 2 to 4 is left: 90 to 250 a scan."""
+    keep = chance.randint(2, 4)
+    for s in scans:
+        s["ranges"] = s["ranges"][::keep]
+        s["angle_increment"] *= keep
+        if "time_increment" in s:
+            s["time_increment"] *= keep
+
+
+def half_a_view(scans, chance):
+    """180 degrees in the middle of the beams."""
+    for s in scans:
+        kept = min(len(s["ranges"]), round(math.pi / abs(s["angle_increment"])))
+        first = (len(s["ranges"]) - kept) // 2
+        s["ranges"] = s["ranges"][first:first + kept]
+        s["angle_min"] += first * s["angle_increment"]
+
+
 def wheels_slip(scans, chance):
     """Wheels that turn on the spot, or slide, for seconds on end; where there are none: nothing."""
     if "odometry" not in scans[0]:
@@ -117,11 +153,14 @@ def wheels_slip(scans, chance):
 DIRT = {**{k: (lambda scans, chance, change=change: change(scans, chance)) for k, change in dirty_logs.KINDS.items() if k != "clean"},
         "bursts lost": bursts_lost, "long gaps": long_gaps, "low rate": low_rate, "sensor covered": covered, "noisy": noisy, "short range": short_range,
         "wheels slip": wheels_slip}
+SPARSE = {"every nth scan": every_nth_scan, "by way": by_way, "few beams": few_beams, "half a view": half_a_view}
 
 
 KINDS = {"clean": "no dirt", "long": "no dirt, 2,000 to 6,000 scans of a building or an office", "repeats": "places that look alike, half of them also dirty",
          "dirt": "one kind of dirt", "several": "two or three kinds of dirt at once", "bare": "a corridor or a hall without wheels, scans lost or short-sighted",
-         "rough": "a fast robot without wheels, two or three of: scans lost, low rate, short-sighted, noisy"}
+         "rough": "a fast robot without wheels, two or three of: scans lost, low rate, short-sighted, noisy",
+         "sparse": "few scans (every second to tenth, or one at every 0.3 to 0.6 m), few beams, half a view; no other dirt",
+         "sparse dirty": "the same with one or two kinds of dirt, some in places that look alike or of a fast robot"}
 BARE = ["bursts lost", "long gaps", "sensor covered", "short range", "1 % packets lost", "noisy", "low rate"]
 ROUGH = ["bursts lost", "long gaps", "low rate", "sensor covered", "short range", "noisy"]
 
@@ -166,6 +205,28 @@ def variant_of(spec, variant):
             "wheels": spec["wheels"] and chance.random() < 0.4}
 
 
+def sparse_spec_of(seed):
+    """What a seed stands for among logs of few scans, or of few beams: every second to tenth scan, one at every 0.3 to 0.6 m, half a view, short sight.
+    Three in ten have dirt besides, or are of a place that repeats or of a fast robot: maps that may well be wrong."""
+    chance = random.Random(6007 * seed + 29)
+    spec = {"seed": seed, "clean": False, "kind": "sparse", "sensor": chance.choice(list(SPARSE_SENSORS)), "dirt": [],
+            "world": chance.choices(list(WORLDS), list(WORLDS.values()))[0], "wheels": chance.random() < 0.4, "speed": chance.choice((0.3, 0.5, 0.8)),
+            "turn_rate": chance.choice((45, 90)), "people": chance.choice((0, 0, 0, 1, 3)), "scans": int(200 * 4 ** chance.random())}
+    beams = chance.choice(([], [], ["few beams"], ["half a view"], ["half a view", "few beams"]))
+    if chance.random() < 0.3:
+        rough = chance.random()
+        if rough < 0.4:
+            spec.update(world=chance.choice(list(repeating_worlds.KINDS)), speed=0.8)
+        elif rough < 0.7:
+            spec.update(speed=chance.choice((1.2, 1.5)), turn_rate=180)
+        spec.update(kind="sparse dirty", dirt=chance.sample([k for k in ROUGH if k != "low rate"], chance.randint(1, 2)))
+    thin = chance.choice(("every nth scan", "every nth scan", "by way", "by way", "all scans"))
+    if thin != "all scans":
+        spec["scans"] = int(1.5 * spec["scans"])
+    spec["dirt"] += beams + ([thin] if thin != "all scans" else [])
+    return spec
+
+
 def simulate(spec, log):
     """The log without dirt, and its truth."""
     seed, world, way = spec["seed"], f"{spec['world']}:{spec['seed']}", []
@@ -174,7 +235,7 @@ def simulate(spec, log):
         repeating_worlds.make(spec["world"], seed, world, path)
         way = ["--path", path]
     call("simulate", "--world", world, *way, "--sensor", spec["sensor"], "--seed", seed, "--speed", spec["speed"], "--turn-rate", spec["turn_rate"],
-         "--people", spec["people"], "--duration", round(spec["scans"] / SENSORS[spec["sensor"]], 1), "--out", log,
+         "--people", spec["people"], "--duration", round(spec["scans"] / {**SENSORS, **SPARSE_SENSORS}[spec["sensor"]], 1), "--out", log,
          *(["--odometry"] if spec["wheels"] else []))
 
 
@@ -185,8 +246,14 @@ def soil(spec, clean, log):
         for s in scans:
             s.pop("odometry", None)
     chance = random.Random(spec["seed"] + 1000003 * spec.get("variant", 0))
+    with open(f"{clean}.truth.tum") as f:
+        for s, line in zip(scans, f):
+            t = list(map(float, line.split()))
+            s["truth"] = (t[1], t[2], 2.0 * math.atan2(t[6], t[7]))
     for kind in spec["dirt"]:
-        DIRT[kind](scans, chance)
+        {**DIRT, **SPARSE}[kind](scans, chance)
+    for s in scans:
+        s.pop("truth")
     with open(log, "w") as f:
         f.writelines(json.dumps(s) + "\n" for s in scans)
 
@@ -217,9 +284,9 @@ def judge(spec, log, truth, out):
             "cpu_ms": round(timing["cpu_ms_per_scan"] * summary["scans"], 1), "evidence": summary.get("evidence")}
 
 
-def run(seed, logs=None, variants=0):
+def run(seed, logs=None, variants=0, sparse=False):
     """The runs of a seed."""
-    spec, rows = spec_of(seed), []
+    spec, rows = (sparse_spec_of if sparse else spec_of)(seed), []
     with tempfile.TemporaryDirectory() as folder:
         clean = os.path.join(folder, "clean.jsonl")
         for variant in range(1 + variants):
@@ -242,7 +309,7 @@ def is_off(row):
     return row["ate_m"] is None or (row["ate_m"] > 1.0 and row["ate_m"] > 0.01 * row["way_m"])
 
 
-def run_all(runs, first_seed=1, jobs=1, logs=None, rows_file=None, variants=0):
+def run_all(runs, first_seed=1, jobs=1, logs=None, rows_file=None, variants=0, sparse=False):
     """In the order of the seeds."""
     rows = []
     if rows_file and os.path.exists(rows_file):
@@ -250,7 +317,7 @@ def run_all(runs, first_seed=1, jobs=1, logs=None, rows_file=None, variants=0):
             rows = [json.loads(line) for line in lines]
     seeds = [s for s in range(first_seed, first_seed + runs) if s not in {r["seed"] for r in rows}]
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        for more in pool.map(lambda seed: run(seed, logs, variants), seeds):
+        for more in pool.map(lambda seed: run(seed, logs, variants, sparse), seeds):
             rows += more
             if rows_file:
                 with open(rows_file, "a") as out:
@@ -259,10 +326,12 @@ def run_all(runs, first_seed=1, jobs=1, logs=None, rows_file=None, variants=0):
 
 
 def table(rows):
-    """Of runs by kind, of the clean, the dirty and of all: how many, and what the verdicts were worth."""
+    """Of runs by kind, of the clean, the dirty and of all that are not sparse: how many, and what the verdicts were worth."""
     share = lambda part, whole: f"{sum(part(r) for r in whole)} of {len(whole)}"
     groups = [(f"{kind}: {what}", [r for r in rows if r["kind"] == kind]) for kind, what in KINDS.items()]
-    groups += [("all clean", [r for r in rows if r["clean"]]), ("all dirty", [r for r in rows if not r["clean"]]), ("all", rows)]
+    mixed = [r for r in rows if not r["kind"].startswith("sparse")]
+    groups += [("all clean", [r for r in mixed if r["clean"]]), ("all dirty", [r for r in mixed if not r["clean"]]), ("all but sparse", mixed)]
+    groups = [(name, group) for name, group in groups if group]
     lines = []
     for name, group in groups:
         good, right, off = [r for r in group if r["verdict"] == "good"], [r for r in group if is_right(r)], [r for r in group if is_off(r)]
@@ -284,6 +353,7 @@ def main():
     parser.add_argument("--runs", type=int, default=1000)
     parser.add_argument("--first-seed", type=int, default=FIRST_TEST_SEED)
     parser.add_argument("--variants", type=int, default=0)
+    parser.add_argument("--sparse", action="store_true")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--logs")
     parser.add_argument("--rows")

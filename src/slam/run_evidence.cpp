@@ -22,6 +22,7 @@ constexpr double kLeastSpeed = 0.1, kLeastTurn = 0.2;  // [m/s], [rad/s] that ju
 constexpr double kTailShare = 0.05;                    // of edges: those that fit worst
 constexpr double kUsualShare = 0.95;                   // of the steps: as far and fast as the robot goes
 constexpr double kMuchFaster = 1.5;                    // than that: no step of the way
+constexpr double kUsualLoops = 0.5;                    // of a keyframe: they halve what is not confirmed
 
 std::size_t index(std::int64_t k) {
   return static_cast<std::size_t>(k);
@@ -257,19 +258,23 @@ void look_at_map(const FinishedRun& run, RunEvidence& e) {
   if (e.map.far.scans == 0) return;
   e.contradicted_scan = run.scans[e.map.far.worst_scan];
   const VisitShares &far = e.map.far.mean, &near = e.map.near.mean;
-  e.excess = {std::max(0.0, far.crossed - near.crossed), std::max(0.0, far.doubled - near.doubled),
-              std::max(0.0, far.in_free - near.in_free)};
+  const auto above = [](double a, double b) { return std::max(0.0, a - b); };
+  e.excess = {above(far.crossed, near.crossed), above(far.doubled, near.doubled), above(far.in_free, near.in_free)};
 }
 
 /// What only several of the numbers say together.
 void combine(RunEvidence& e) {
   const double unaided = 1.0 - std::min(1.0, e.wheels) * e.wheels_agreed;
   e.lost_unaided = unaided * e.lost;
-  // Over a long way wheels jump: they say nothing of it.
-  const double unseen = e.wheels_jumped > 0.0 ? 1.0 : unaided;
+  const double unseen = e.wheels_jumped > 0.0 ? 1.0 : unaided;  // over a long way wheels jump: they say nothing of it
   e.unseen_ratio = unseen * e.longest_gap_s * share(e.way_m, e.duration_s) / right_m(e);
   e.doubted = e.beyond_drift + e.alike + e.inconsistent;
   e.unseen_doubted = e.unseen_ratio * e.doubted;
+  e.open_doubted = e.expected_ratio * e.doubted;
+  e.off_map_ratio = std::sqrt(e.off_map) / right_m(e);
+  const double wide = unaided * e.degraded;  // where scans are few that is no bad sign by itself
+  e.degraded_unconfirmed = wide / (1.0 + e.loops_per_keyframe / kUsualLoops);
+  e.degraded_bent = wide * e.step_chi2_tail;
 }
 
 }  // namespace

@@ -19,14 +19,15 @@ struct RunEvidence {
   double scans = 0, keyframes = 0, way_m = 0, duration_s = 0;
   double points = 0;  ///< on surfaces, of a keyframe in the middle
   // Scans, of those with a return.
-  double on_map = 0;        ///< matched, on the map drawn, not left out: share
-  double lost = 0;          ///< not matched
-  double lost_unaided = 0;  ///< and with no wheels that agree elsewhere
-  double degraded = 0;      ///< matched, but only by a wide search or with much unexplained
-  double ambiguous = 0;     ///< matched, with a direction open
-  double left_out = 0;      ///< fits neither neighbour
-  double off_map = 0;       ///< in a piece that nothing ties to the map
-  double repeated = 0;      ///< of all messages
+  double on_map = 0;         ///< matched, on the map drawn, not left out: share
+  double lost = 0;           ///< not matched
+  double lost_unaided = 0;   ///< and with no wheels that agree elsewhere
+  double degraded = 0;       ///< matched, but only by a wide search or with much unexplained
+  double ambiguous = 0;      ///< matched, with a direction open
+  double left_out = 0;       ///< fits neither neighbour
+  double off_map = 0;        ///< in a piece that nothing ties to the map
+  double off_map_ratio = 0;  ///< error of the run if these stand 1 m off, by what a right map may be off
+  double repeated = 0;       ///< of all messages
   // Time without a scan that says anything, and what the robot did then, as the map has it.
   double gaps = 0;              ///< share of the time in steps of more than 1.8 periods
   double longest_gap_s = 0;     ///< between two scans that were matched
@@ -53,8 +54,11 @@ struct RunEvidence {
   // Loops that were found, by what became of them: share.
   double loops_found = 0;  ///< their number
   double undone = 0, beyond_drift = 0, alike = 0, inconsistent = 0;
-  double doubted = 0;         ///< the last three: places look like others here
-  double unseen_doubted = 0;  ///< times unseen_ratio: what brings the way back together may be another place
+  double doubted = 0;               ///< the last three: places look like others here
+  double unseen_doubted = 0;        ///< times unseen_ratio: what brings the way back together may be another place
+  double open_doubted = 0;          ///< doubted times expected_ratio: scans leave the way open, and so do loops
+  double degraded_unconfirmed = 0;  ///< degraded, no wheels, and few loops
+  double degraded_bent = 0;  ///< degraded times step_chi2_tail, no wheels: the graph bends what wide searches found
   // Wheels: steps for each scan, and shares of the steps.
   double wheels = 0, wheels_agreed = 0, wheels_slipped = 0, wheels_reversed = 0, wheels_jumped = 0;
   // The map against its own scans.
@@ -90,6 +94,7 @@ struct RunEvidence {
     v("ambiguous", self.ambiguous);
     v("left_out", self.left_out);
     v("off_map", self.off_map);
+    v("off_map_ratio", self.off_map_ratio);
     v("repeated", self.repeated);
     v("gaps", self.gaps);
     v("longest_gap_s", self.longest_gap_s);
@@ -136,6 +141,9 @@ struct RunEvidence {
     v("inconsistent", self.inconsistent);
     v("doubted", self.doubted);
     v("unseen_doubted", self.unseen_doubted);
+    v("open_doubted", self.open_doubted);
+    v("degraded_unconfirmed", self.degraded_unconfirmed);
+    v("degraded_bent", self.degraded_bent);
   }
   template <class Comparison, class Visitor>
   static void visit_comparison(const std::string& name, Comparison& c, Visitor& v) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "phasescan/slam/slam.hpp"
 #include "support/toy_logs.hpp"
@@ -54,6 +55,7 @@ TEST(Verdict, WhatSpeaksAgainstAMapNeverMakesItBetter) {
   EXPECT_LT(worse([](RunEvidence& e) { e.step_chi2_tail = 30.0, e.unseen_doubted = 10.0; }), 0.95);
   EXPECT_LT(worse([](RunEvidence& e) { e.expected_ratio = 10.0; }), 0.95);
   EXPECT_LT(worse([](RunEvidence& e) { e.off_map = 0.4, e.breaks = 4.0; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.off_map = 0.1, e.off_map_ratio = 1.0; }), 0.95);
   EXPECT_LE(worse([](RunEvidence& e) { e.wheels_slipped = 0.5; }), best);
 }
 
@@ -158,6 +160,49 @@ TEST(Verdict, WheelsThatAgreeAnswerForScansThatWereLost) {
   EXPECT_GT(jumped.at("unseen_ratio"), 0.9 * alone.at("unseen_ratio"));
 }
 
+TEST(Verdict, WideSearchesThatSomethingConfirmsAreNoBadSign) {
+  const double best = judge_run(faultless(), false).verdict.probability;
+  const auto with = [](auto&& change) {
+    RunEvidence e = faultless();
+    e.degraded = 0.97;
+    change(e);
+    return judge_run(e, false).verdict.probability;
+  };
+  EXPECT_EQ(with([](RunEvidence&) {}), best) << "by itself it says how far the scans are apart";
+  EXPECT_LT(with([](RunEvidence& e) { e.degraded_unconfirmed = 0.97; }), best);
+  EXPECT_LT(with([](RunEvidence& e) { e.degraded_bent = 8.0; }), 0.95);
+  EXPECT_LT(with([](RunEvidence& e) { e.open_doubted = 2.0; }), 0.95);
+}
+
+TEST(Verdict, WheelsAndLoopsConfirmTheStepsOfAThinnedLog) {
+  testing::ToyLog without = testing::turning_lidar_log(400);
+  std::vector<RangeMeasurement> kept;
+  std::vector<Pose2> truth;
+  for (std::size_t i = 0; i < without.measurements.size(); i += 6) {
+    kept.push_back(without.measurements[i]);
+    truth.push_back(without.truth[i]);
+  }
+  without.measurements = kept, without.truth = truth;
+  testing::ToyLog with = without;
+  for (std::size_t i = 0; i < with.measurements.size(); ++i) with.measurements[i].T_odom_base = with.truth[i];
+  const SlamResult alone = run(without), aided = run(with);
+  EXPECT_GT(alone.verdict.probability, 0.9);
+  EXPECT_EQ(aided.verdict.verdict, Verdict::kGood) << aided.verdict.probability;
+  const auto& a = alone.verdict.evidence;
+  ASSERT_GT(a.at("degraded"), 0.5) << "nearly all need wide searches";
+  ASSERT_GT(a.at("loops_per_keyframe"), 0.2);
+  ASSERT_GT(a.at("step_chi2_tail"), 0.0);
+  EXPECT_NEAR(a.at("degraded_unconfirmed"), a.at("degraded") / (1.0 + 2.0 * a.at("loops_per_keyframe")), 1e-9);
+  EXPECT_NEAR(a.at("degraded_bent"), a.at("degraded") * a.at("step_chi2_tail"), 1e-9);
+  EXPECT_NEAR(a.at("open_doubted"), a.at("expected_ratio") * a.at("doubted"), 1e-9);
+  const auto& w = aided.verdict.evidence;
+  ASSERT_GT(w.at("degraded"), 0.5);
+  const double unaided = 1.0 - std::min(1.0, w.at("wheels")) * w.at("wheels_agreed");
+  ASSERT_LT(unaided, 0.3) << "wheels agree";
+  EXPECT_NEAR(w.at("degraded_bent"), unaided * w.at("degraded") * w.at("step_chi2_tail"), 1e-9);
+  EXPECT_LE(w.at("degraded_unconfirmed"), unaided * w.at("degraded"));
+}
+
 TEST(Verdict, DrivesThatNothingTiesAreInPieces) {
   const testing::ToyLog one = testing::turning_lidar_log(60);
   Slam slam;
@@ -179,6 +224,23 @@ TEST(Verdict, DrivesThatNothingTiesAreInPieces) {
     EXPECT_EQ(part.verdict.evidence.at("scans"), 60.0);
     EXPECT_GT(part.verdict.evidence.at("keyframes"), 2.0);
   }
+}
+
+TEST(Verdict, ScansOffTheMapAreWeighedByWhatARightMapMayBeOff) {
+  testing::ToyLog log = testing::turning_lidar_log(60);
+  Random random(5);
+  const double begin = stamp_to_seconds(log.measurements.back().scan.stamp) + 100.0;
+  for (std::size_t i = 0; i < 30; ++i) {
+    const Pose2 pose{4.0 + 0.04 * static_cast<double>(i), 0.0, 0.0};
+    log.measurements.push_back({testing::toy_scan(testing::corridor_with_niches(30.0, 0.7), pose, {}, random,
+                                                  stamp_from_seconds(begin + 0.18 * static_cast<double>(i)))});
+  }
+  const SlamResult result = run(log);
+  const auto& e = result.verdict.evidence;
+  ASSERT_GT(e.at("off_map"), 0.2) << "carried elsewhere: nothing ties these scans to the map";
+  ASSERT_LT(e.at("way_m"), 20.0);
+  EXPECT_NEAR(e.at("off_map_ratio"), std::sqrt(e.at("off_map")) / 0.2, 1e-9);
+  EXPECT_NE(result.verdict.verdict, Verdict::kGood);
 }
 
 TEST(Verdict, WheelsThatSlipAreAReason) {
