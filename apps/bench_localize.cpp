@@ -29,6 +29,9 @@ struct BenchLocalizeFlags {
   LocalizeRunsSpec drives;
 };
 
+// About 20 s: an exhaustive search of a scan that says little is given up, and counted.
+constexpr std::size_t kMostSteps = 20'000'000;
+
 LocalizePlaces make_places(const BenchLocalizeFlags& flags) {
   if (!flags.places.empty() && has_places(flags.places)) return read_places(flags.places);
   if (!flags.map.empty()) {
@@ -86,14 +89,14 @@ std::string case_lines(const std::vector<LocalizeCase>& cases, const std::vector
 std::string yardstick_part(const LocalizationMap& map, const std::vector<LocalizeCase>& cases,
                            const std::vector<LocalizeRow>& rows, const LocalizeOptions& options, bool no_times) {
   Progress progress("exhaustive search", cases.size());
-  const auto yardstick = measure_all(map, cases, options, [&](std::size_t done) { progress.step(done); });
+  const auto yardstick = measure_all(map, cases, options, kMostSteps, [&](std::size_t done) { progress.step(done); });
   progress.end();
   const YardstickScore s = compare(yardstick, rows, options.ambiguous_gap);
   std::string text = fmt::format(
-      ", \"yardstick\": {{\"n\": {}, \"truth_among\": {}, \"ambiguous\": {}, \"our_ambiguous\": {}, \"clear\": {}, "
+      ", \"yardstick\": {{\"unfinished\": {}, \"n\": {}, \"truth_among\": {}, \"ambiguous\": {}, \"our_ambiguous\": {}, \"clear\": {}, "
       "\"clear_right\": {}, \"clear_our_right\": {}, \"clear_our_right_ok\": {}, \"clear_our_wrong_ok\": {}, \"missed\": {}",
-      s.n, s.truth_among, s.ambiguous, s.our_ambiguous, s.clear, s.clear_right, s.clear_our_right, s.clear_our_right_ok,
-      s.clear_our_wrong_ok, s.missed);
+      s.unfinished, s.n, s.truth_among, s.ambiguous, s.our_ambiguous, s.clear, s.clear_right, s.clear_our_right,
+      s.clear_our_right_ok, s.clear_our_wrong_ok, s.missed);
   if (!no_times) text += fmt::format(", \"s_p50\": {:.2f}, \"s_most\": {:.1f}", s.s_p50, s.s_most);
   return text + "}";
 }
