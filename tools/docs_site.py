@@ -17,7 +17,7 @@ PARTS = {
     "Guides": ["match", "slam", "localise", "live", "ros2", "python", "calibrate", "fleet", "simulator", "examples/README"],
     "Concepts": ["global", "fft_icp", "slam-method", "slam-limits", "places", "architecture"],
     "Reference": ["reference/commands", "parameters", "reference/python", "reference/headers", "logs", "state-file"],
-    "Results": ["RESULTS", "results/matching", "results/honesty", "results/time", "results/slam", "results/live", "results/files", "results/results-json", "rivals"],
+    "Results": ["RESULTS", "results/matching", "results/honesty", "results/time", "results/slam", "results/live", "results/localise", "results/files", "results/results-json", "rivals"],
     "Project": ["CONTRIBUTING", "CHANGELOG", "licences"],
 }
 

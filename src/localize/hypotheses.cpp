@@ -11,20 +11,9 @@ constexpr double kCarriedAway = 6.0;  // of log-likelihood: a robot is seldom wh
 // A place in a room that the map has not explains half of most scans, and 0.7 of those of a room that looks like one of
 // the map's. Where odometry contradicts a pose, that is what it is: robots drive more often than they are carried. What
 // odometry leads to is right although half of what is seen is new.
-constexpr double kNeutralThere = 0.5, kNeutralExplained = 0.58, kNeutralElsewhere = 0.75, kPerShare = 40.0;
+constexpr double kNeutralThere = 0.45, kNeutralExplained = 0.58, kNeutralElsewhere = 0.75, kPerShare = 40.0;
 constexpr double kMostOfView = 8.0, kMostAlone = 4.0;
 constexpr double kDriftShare = 0.05;  // of the way, that odometry may be off by
-
-/// What is known of a found pose: that of the hypothesis that led there, and at least what a search is worth.
-double ahead_of_none(const std::vector<Hypothesis>& followed, const FoundPose& pose, const Pose2& T_odom_base,
-                     Led led) {
-  if (followed.empty()) return kMostMargin;
-  double ahead = led == Led::kThere ? kFoundWhereLed : kFoundElsewhere;
-  for (const Hypothesis& h : followed) {
-    if (!is_apart(h.T_grid_odom * T_odom_base, pose.T_grid_base)) ahead = std::max(ahead, h.ahead_of_none);
-  }
-  return ahead;
-}
 
 }  // namespace
 
@@ -32,7 +21,16 @@ double evidence_of_view(const MapFit& fit, Led led) {
   const double neutral = led == Led::kThere       ? kNeutralThere
                          : led == Led::kElsewhere ? kNeutralElsewhere
                                                   : kNeutralExplained;
-  return std::clamp(kPerShare * (fit.explained - fit.contradicting - neutral), -kMostOfView, kMostOfView);
+  return std::clamp(kPerShare * (fit.explained - 0.5 * fit.contradicting - neutral), -kMostOfView, kMostOfView);
+}
+
+void HypothesisSet::forget_way() {
+  known.reset();
+  looks = 0;
+}
+
+double HypothesisSet::found_ahead(Led led) const {
+  return led == Led::kThere || looks < kFirstLooks ? kFoundWhereLed : kFoundElsewhere;
 }
 
 Led HypothesisSet::led(const Pose2& T_grid_base, const Pose2& T_odom_base) const {
@@ -63,9 +61,14 @@ void HypothesisSet::restart(const std::vector<FoundPose>& found, const Pose2& T_
                             std::size_t most) {
   const std::vector<Hypothesis> followed = std::move(all);
   all.clear();
-  for (const FoundPose& pose : found)
-    all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose, pose.fit.log_likelihood,
-                   ahead_of_none(followed, pose, T_odom_base, led(pose.T_grid_base, T_odom_base))});
+  for (const FoundPose& pose : found) {
+    double ahead = followed.empty() ? kMostMargin : found_ahead(led(pose.T_grid_base, T_odom_base));
+    for (const Hypothesis& h : followed) {
+      if (!is_apart(h.T_grid_odom * T_odom_base, pose.T_grid_base)) ahead = std::max(ahead, h.ahead_of_none);
+    }
+    all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose, pose.fit.log_likelihood, ahead});
+  }
+  ++looks;
   margin_alone = found.size() > 1 ? found[0].fit.log_likelihood - found[1].fit.log_likelihood : kMostMargin;
   prune(keep_gap, most);
 }
@@ -79,13 +82,14 @@ void HypothesisSet::merge(const std::vector<FoundPose>& found, const Pose2& T_od
                                    [&](const Hypothesis& h) { return !is_apart(h.at.T_grid_base, pose.T_grid_base); });
     if (same == all.end()) {
       all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose,
-                     weight + pose.fit.log_likelihood - likelihood - kCarriedAway, kFoundElsewhere});
+                     weight + pose.fit.log_likelihood - likelihood - kCarriedAway,
+                     found_ahead(led(pose.T_grid_base, T_odom_base))});
     } else if (&pose == &found.front()) {  // what is followed is also what a search finds
       const Led how = led(pose.T_grid_base, T_odom_base);
-      if (evidence_of_view(pose.fit, how) > 0.0)
-        same->ahead_of_none = std::max(same->ahead_of_none, how == Led::kThere ? kFoundWhereLed : kFoundElsewhere);
+      if (evidence_of_view(pose.fit, how) > 0.0) same->ahead_of_none = std::max(same->ahead_of_none, found_ahead(how));
     }
   }
+  ++looks;
   prune(keep_gap, most);
 }
 

@@ -24,9 +24,11 @@ enum class Led { kUnknown, kThere, kElsewhere };
 /// What a view says for a pose against a place that the map has not: below 0 where the map explains too little of it.
 double evidence_of_view(const MapFit& fit, Led led);
 
-/// How far a pose that a search found is ahead of none, where something else was followed or looked for before: many
-/// searches find a place that explains a scan by chance. Views of the way must confirm it.
-inline constexpr double kFoundElsewhere = 30.0, kFoundWhereLed = 45.0;
+/// How far a pose that a search found is ahead of none, where something was followed before. The confidence is fitted
+/// on single looks: many of them find a place that explains a scan by chance, which views of the way must confirm. The
+/// first ones after odometry broke, and what odometry leads to, are more than chance.
+inline constexpr double kFoundElsewhere = 34.0, kFoundWhereLed = 52.0;
+inline constexpr int kFirstLooks = 2;
 
 /// Where a pose that was ok is now by odometry alone, which did not break since.
 struct KnownPlace {
@@ -39,6 +41,10 @@ struct HypothesisSet {
   std::vector<Hypothesis> all;
   double margin_alone = 0.0;
   std::optional<KnownPlace> known;
+  int looks = kFirstLooks;  ///< searches since odometry broke
+
+  /// Odometry broke: the robot may be anywhere.
+  void forget_way();
 
   bool empty() const { return all.empty(); }
   /// Of the best to the next, and to a place that the map has not.
@@ -50,6 +56,7 @@ struct HypothesisSet {
   void merge(const std::vector<FoundPose>& found, const Pose2& T_odom_base, double keep_gap, std::size_t most);
   /// A new view, matched: `at` and `weight` are those with it.
   void see(const Pose2& T_odom_base, double least_margin);
+  double found_ahead(Led led) const;
   Led led(const Pose2& T_grid_base, const Pose2& T_odom_base) const;
   /// Orders them, joins those that came to one pose, and drops those far behind.
   void prune(double keep_gap, std::size_t most);

@@ -200,7 +200,8 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
   state.way_since_ok += std::hypot(step.x, step.y);
   if (state.set.known) state.set.known->way_m += std::hypot(step.x, step.y);
   const bool broke = odom.status == TrackingStatus::kLost || odom.diagnostics.new_segment;
-  if (broke || (state.set.known && state.set.known->way_m > kKnownM)) state.set.known.reset();
+  if (broke) state.set.forget_way();
+  if (state.set.known && state.set.known->way_m > kKnownM) state.set.known.reset();
   const bool narrow = field_of_view(measurement.scan) < kNarrowRad;
   const bool new_view = std::hypot(view.x, view.y) > kNewViewM || (narrow && std::abs(view.theta) > kNewViewRad);
   const std::optional<Pose2> followed =
