@@ -29,6 +29,9 @@ struct BenchLocalizeFlags {
   LocalizeRunsSpec drives;
 };
 
+// About 20 s: an exhaustive search of a scan that says little is given up, and counted.
+constexpr std::size_t kMostSteps = 20'000'000;
+
 LocalizePlaces make_places(const BenchLocalizeFlags& flags) {
   if (!flags.places.empty() && has_places(flags.places)) return read_places(flags.places);
   if (!flags.map.empty()) {
@@ -86,16 +89,39 @@ std::string case_lines(const std::vector<LocalizeCase>& cases, const std::vector
 std::string yardstick_part(const LocalizationMap& map, const std::vector<LocalizeCase>& cases,
                            const std::vector<LocalizeRow>& rows, const LocalizeOptions& options, bool no_times) {
   Progress progress("exhaustive search", cases.size());
-  const auto yardstick = measure_all(map, cases, options, [&](std::size_t done) { progress.step(done); });
+  const auto yardstick = measure_all(map, cases, options, kMostSteps, [&](std::size_t done) { progress.step(done); });
   progress.end();
   const YardstickScore s = compare(yardstick, rows, options.ambiguous_gap);
   std::string text = fmt::format(
-      ", \"yardstick\": {{\"n\": {}, \"truth_among\": {}, \"ambiguous\": {}, \"our_ambiguous\": {}, \"clear\": {}, "
+      ", \"yardstick\": {{\"unfinished\": {}, \"n\": {}, \"truth_among\": {}, \"ambiguous\": {}, \"our_ambiguous\": {}, \"clear\": {}, "
       "\"clear_right\": {}, \"clear_our_right\": {}, \"clear_our_right_ok\": {}, \"clear_our_wrong_ok\": {}, \"missed\": {}",
-      s.n, s.truth_among, s.ambiguous, s.our_ambiguous, s.clear, s.clear_right, s.clear_our_right, s.clear_our_right_ok,
-      s.clear_our_wrong_ok, s.missed);
+      s.unfinished, s.n, s.truth_among, s.ambiguous, s.our_ambiguous, s.clear, s.clear_right, s.clear_our_right,
+      s.clear_our_right_ok, s.clear_our_wrong_ok, s.missed);
   if (!no_times) text += fmt::format(", \"s_p50\": {:.2f}, \"s_most\": {:.1f}", s.s_p50, s.s_most);
   return text + "}";
+}
+
+/// A line for a scan of a drive.
+std::string scan_line(const DrivenScan& scan) {
+  const LocalizationUpdate& u = scan.update;
+  const Pose2 pose = u.T_map_base.value_or(Pose2{1e3, 1e3, 0.0});
+  const nlohmann::ordered_json line{{"stamp", stamp_to_seconds(u.stamp)},
+                                    {"status", to_string(u.status)},
+                                    {"mapped", scan.mapped},
+                                    {"started", scan.started},
+                                    {"error_m", translation_distance(pose, scan.T_map_base)},
+                                    {"error_deg", rad_to_deg(angle_distance(pose.theta, scan.T_map_base.theta))},
+                                    {"confidence", u.confidence},
+                                    {"explained", u.fit.explained},
+                                    {"unmapped", u.fit.unmapped},
+                                    {"contradicting", u.fit.contradicting},
+                                    {"log_likelihood", u.fit.log_likelihood},
+                                    {"margin", u.margin},
+                                    {"hypotheses", u.hypotheses.size()},
+                                    {"searched", u.searched},
+                                    {"truth", {scan.T_map_base.x, scan.T_map_base.y, scan.T_map_base.theta}},
+                                    {"pose", {pose.x, pose.y, pose.theta}}};
+  return line.dump() + "\n";
 }
 
 /// Drives, as one line of JSON.
@@ -107,8 +133,13 @@ int run_bench_drives(const BenchLocalizeFlags& flags, const LocalizeOptions& opt
   spec.unmapped = flags.simulated.unmapped, spec.seed = flags.common.seed;
   Progress progress("worlds", spec.worlds.size());
   std::size_t done = 0;
-  const LocalizeRunsScore s = run_drives(spec, options, [&] { progress.step(++done); });
+  std::optional<AtomicFile> file;
+  if (!flags.cases.empty()) file.emplace(flags.cases);
+  const auto write = [&file](const DrivenScan& scan) { file->write(scan_line(scan)); };
+  const LocalizeRunsScore s = run_drives(
+      spec, options, [&] { progress.step(++done); }, file ? std::function<void(const DrivenScan&)>(write) : nullptr);
   progress.end();
+  if (file) file->commit();
   const StartsScore t = score_of(s.starts);
   std::string line = fmt::format(
       "{{\"worlds\": {}, \"wrong_maps\": {}, \"kidnapped\": {}, \"noticed_late\": {}, \"recovered\": {}, \"recovery_s_mean\": {:.2f}, \"wrong_ok_over_1s\": {}, "

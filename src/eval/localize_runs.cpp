@@ -76,8 +76,15 @@ struct FreshStart {
 class DriveFollower {
  public:
   DriveFollower(const MappedWorld& world, const LocalizationMap& map, const LocalizeRunsSpec& spec,
-                const LocalizeOptions& options, LocalizeRunsScore& score)
-      : world_(world), map_(map), spec_(spec), options_(options), score_(score), localizer_(map, options) {}
+                const LocalizeOptions& options, LocalizeRunsScore& score,
+                const std::function<void(const DrivenScan&)>& each)
+      : world_(world),
+        map_(map),
+        spec_(spec),
+        options_(options),
+        score_(score),
+        each_(each),
+        localizer_(map, options) {}
 
   void run(const sim::LidarOptions& lidar, std::uint64_t seed) {
     Random random(seed);
@@ -138,6 +145,7 @@ class DriveFollower {
     const double cpu = thread_cpu_seconds();
     const LocalizationUpdate update = localizer_.add(measurement);
     const double ms = 1e3 * (thread_cpu_seconds() - cpu);
+    if (each_) each_({update, truth, stands_on_map(world_.map, truth), watch_.has_value()});
     if (watch_) {
       if (watch_->add(update, truth, step)) return;
       score_.starts.push_back(watch_->start());
@@ -187,6 +195,7 @@ class DriveFollower {
   const LocalizeRunsSpec& spec_;
   const LocalizeOptions& options_;
   LocalizeRunsScore& score_;
+  const std::function<void(const DrivenScan&)>& each_;
   Localizer localizer_;
   std::optional<StartWatch> watch_;
   std::vector<std::unique_ptr<FreshStart>> fresh_;
@@ -221,7 +230,8 @@ StartsScore score_of(const std::vector<UnknownStart>& starts) {
 }
 
 LocalizeRunsScore run_drives(const LocalizeRunsSpec& spec, const LocalizeOptions& options,
-                             const std::function<void()>& progress) {
+                             const std::function<void()>& progress,
+                             const std::function<void(const DrivenScan&)>& each) {
   LocalizeRunsScore score;
   const sim::LidarOptions lidar = sim::read_lidar(spec.sensor);
   std::uint64_t number = 0;
@@ -237,7 +247,7 @@ LocalizeRunsScore run_drives(const LocalizeRunsSpec& spec, const LocalizeOptions
     const LocalizationMap map = LocalizationMap::from_grid(mapped.map, options);
     if (spec.moved > 0.0)
       mapped.world = sim::rearrange(mapped.world, {spec.moved, spec.moved}, Random::derive(seed, 5));
-    DriveFollower(mapped, map, spec, options, score).run(lidar, Random::derive(seed, 6));
+    DriveFollower(mapped, map, spec, options, score, each).run(lidar, Random::derive(seed, 6));
     progress();
   }
   return score;

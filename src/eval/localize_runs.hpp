@@ -24,6 +24,14 @@ struct LocalizeRunsSpec {
   std::uint64_t seed = 1;
 };
 
+/// What was said of a scan of the drives, and what was so.
+struct DrivenScan {
+  LocalizationUpdate update;
+  Pose2 T_map_base;      ///< the truth
+  bool mapped = false;   ///< it stands where the map has free space
+  bool started = false;  ///< within 2 m of way after an unknown start
+};
+
 /// A moment from which the robot's place is not known: carried elsewhere, or switched on.
 struct UnknownStart {
   bool kidnapped = false;        ///< else a localizer that knows nothing
@@ -56,8 +64,9 @@ struct StartsScore {
 };
 StartsScore score_of(const std::vector<UnknownStart>& starts);
 
-/// @param progress  called after each world
+/// @param progress  called after each world  @param each  called for every scan, where it is given
 LocalizeRunsScore run_drives(const LocalizeRunsSpec& spec, const LocalizeOptions& options,
-                             const std::function<void()>& progress);
+                             const std::function<void()>& progress,
+                             const std::function<void(const DrivenScan&)>& each = {});
 
 }  // namespace phasescan

@@ -9,7 +9,7 @@
 namespace phasescan {
 
 std::vector<YardstickRow> measure_all(const LocalizationMap& map, const std::vector<LocalizeCase>& cases,
-                                      const LocalizeOptions& options,
+                                      const LocalizeOptions& options, std::size_t most_steps,
                                       const std::function<void(std::size_t)>& progress) {
   std::vector<YardstickRow> rows;
   QueryWorkspace work;
@@ -19,7 +19,8 @@ std::vector<YardstickRow> measure_all(const LocalizationMap& map, const std::vec
     const double cpu = thread_cpu_seconds();
     const QueryScan query = prepare_query(one.measurement, {}, options.view_range_m, true, work);
     if (one.mapped && query.usable()) {
-      const std::vector<FoundPose> found = search_everywhere(map.data(), query, options.ambiguous_gap);
+      const auto [found, finished] = search_everywhere(map.data(), query, options.ambiguous_gap, most_steps);
+      row.finished = finished;
       for (std::size_t i = 0; i < found.size(); ++i) {
         const bool right = is_right(map.data().T_map_grid * found[i].T_grid_base, one.T_map_base);
         row.truth_among |= right;
@@ -42,8 +43,12 @@ YardstickScore compare(const std::vector<YardstickRow>& yardstick, const std::ve
     const YardstickRow& row = yardstick[i];
     const LocalizationUpdate& update = ours[i].update;
     if (!row.mapped) continue;
-    ++score.n;
     seconds.push_back(row.s);
+    if (!row.finished) {
+      ++score.unfinished;
+      continue;
+    }
+    ++score.n;
     const bool ok = update.status == TrackingStatus::kOk, right = ours[i].right();
     score.truth_among += row.truth_among;
     score.ambiguous += row.ambiguous;

@@ -8,19 +8,67 @@ namespace phasescan {
 namespace {
 
 constexpr double kCarriedAway = 6.0;  // of log-likelihood: a robot is seldom where nothing led to
+// A place in a room that the map has not explains half of most scans, and 0.7 of those of a room that looks like one of
+// the map's. Where odometry contradicts a pose, that is what it is: robots drive more often than they are carried. What
+// odometry leads to is right although half of what is seen is new.
+constexpr double kNeutralThere = 0.45, kNeutralExplained = 0.58, kNeutralElsewhere = 0.75, kPerShare = 40.0;
+constexpr double kMostOfView = 8.0, kMostAlone = 4.0;
+constexpr double kDriftShare = 0.05;  // of the way, that odometry may be off by
 
 }  // namespace
 
+double evidence_of_view(const MapFit& fit, Led led) {
+  const double neutral = led == Led::kThere       ? kNeutralThere
+                         : led == Led::kElsewhere ? kNeutralElsewhere
+                                                  : kNeutralExplained;
+  return std::clamp(kPerShare * (fit.explained - 0.5 * fit.contradicting - neutral), -kMostOfView, kMostOfView);
+}
+
+void HypothesisSet::forget_way() {
+  known.reset();
+  looks = 0;
+}
+
+double HypothesisSet::found_ahead(Led led) const {
+  return led == Led::kThere || looks < kFirstLooks ? kFoundWhereLed : kFoundElsewhere;
+}
+
+Led HypothesisSet::led(const Pose2& T_grid_base, const Pose2& T_odom_base) const {
+  if (!known) return Led::kUnknown;
+  const Pose2 led = known->T_grid_odom * T_odom_base;
+  const bool there = translation_distance(led, T_grid_base) < kApartM + kDriftShare * known->way_m &&
+                     angle_distance(led.theta, T_grid_base.theta) < 2.0 * kApartRad;
+  return there ? Led::kThere : Led::kElsewhere;
+}
+
+void HypothesisSet::see(const Pose2& T_odom_base, double least_margin) {
+  for (Hypothesis& h : all) {
+    const double evidence = evidence_of_view(h.at.fit, led(h.at.T_grid_base, T_odom_base));
+    h.ahead_of_none = std::clamp(h.ahead_of_none + evidence, 0.0, kMostMargin);
+  }
+  if (all.size() != 1) return;
+  const double more = std::clamp(evidence_of_view(all.front().at.fit, Led::kUnknown), 0.0, kMostAlone);
+  margin_alone = std::clamp(margin_alone + more, least_margin, kMostMargin);
+}
+
 double HypothesisSet::margin() const {
   if (all.empty()) return 0.0;
-  return all.size() == 1 ? margin_alone : std::min(all[0].weight - all[1].weight, kMostMargin);
+  const double to_next = all.size() == 1 ? margin_alone : std::min(all[0].weight - all[1].weight, kMostMargin);
+  return std::min(to_next, all.front().ahead_of_none);
 }
 
 void HypothesisSet::restart(const std::vector<FoundPose>& found, const Pose2& T_odom_base, double keep_gap,
                             std::size_t most) {
+  const std::vector<Hypothesis> followed = std::move(all);
   all.clear();
-  for (const FoundPose& pose : found)
-    all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose, pose.fit.log_likelihood});
+  for (const FoundPose& pose : found) {
+    double ahead = followed.empty() ? kMostMargin : found_ahead(led(pose.T_grid_base, T_odom_base));
+    for (const Hypothesis& h : followed) {
+      if (!is_apart(h.T_grid_odom * T_odom_base, pose.T_grid_base)) ahead = std::max(ahead, h.ahead_of_none);
+    }
+    all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose, pose.fit.log_likelihood, ahead});
+  }
+  ++looks;
   margin_alone = found.size() > 1 ? found[0].fit.log_likelihood - found[1].fit.log_likelihood : kMostMargin;
   prune(keep_gap, most);
 }
@@ -30,12 +78,18 @@ void HypothesisSet::merge(const std::vector<FoundPose>& found, const Pose2& T_od
   if (all.empty()) return restart(found, T_odom_base, keep_gap, most);
   const double weight = all.front().weight, likelihood = all.front().at.fit.log_likelihood;
   for (const FoundPose& pose : found) {
-    const bool known = std::any_of(all.begin(), all.end(),
+    const auto same = std::find_if(all.begin(), all.end(),
                                    [&](const Hypothesis& h) { return !is_apart(h.at.T_grid_base, pose.T_grid_base); });
-    if (known) continue;
-    all.push_back(
-        {pose.T_grid_base * T_odom_base.inverse(), pose, weight + pose.fit.log_likelihood - likelihood - kCarriedAway});
+    if (same == all.end()) {
+      all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose,
+                     weight + pose.fit.log_likelihood - likelihood - kCarriedAway,
+                     found_ahead(led(pose.T_grid_base, T_odom_base))});
+    } else if (&pose == &found.front()) {  // what is followed is also what a search finds
+      const Led how = led(pose.T_grid_base, T_odom_base);
+      if (evidence_of_view(pose.fit, how) > 0.0) same->ahead_of_none = std::max(same->ahead_of_none, found_ahead(how));
+    }
   }
+  ++looks;
   prune(keep_gap, most);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "localize/global_search.hpp"
@@ -13,20 +14,50 @@ struct Hypothesis {
   Pose2 T_grid_odom;
   FoundPose at;         ///< with the last scan
   double weight = 0.0;  ///< log-likelihood of what was seen so far
+  /// Of log-likelihood, how far it is ahead of a place that the map has not, which explains about half of most scans.
+  double ahead_of_none = 0.0;
+};
+
+/// What odometry says of a pose: of nothing, where the robot's place was not known or odometry broke since.
+enum class Led { kUnknown, kThere, kElsewhere };
+
+/// What a view says for a pose against a place that the map has not: below 0 where the map explains too little of it.
+double evidence_of_view(const MapFit& fit, Led led);
+
+/// How far a pose that a search found is ahead of none, where something was followed before. The confidence is fitted
+/// on single looks: many of them find a place that explains a scan by chance, which views of the way must confirm. The
+/// first ones after odometry broke, and what odometry leads to, are more than chance.
+inline constexpr double kFoundElsewhere = 34.0, kFoundWhereLed = 52.0;
+inline constexpr int kFirstLooks = 2;
+
+/// Where a pose that was ok is now by odometry alone, which did not break since.
+struct KnownPlace {
+  Pose2 T_grid_odom;
+  double way_m = 0.0;  ///< since then
 };
 
 /// Hypotheses best first, and how far the best is ahead where it is alone.
 struct HypothesisSet {
   std::vector<Hypothesis> all;
   double margin_alone = 0.0;
+  std::optional<KnownPlace> known;
+  int looks = kFirstLooks;  ///< searches since odometry broke
+
+  /// Odometry broke: the robot may be anywhere.
+  void forget_way();
 
   bool empty() const { return all.empty(); }
-  /// Of the best to the next.
+  /// Of the best to the next, and to a place that the map has not.
   double margin() const;
-  /// Replaces all by what a search found. @param keep_gap  of log-likelihood, to the best
+  /// Replaces all by what a search found. Where nothing was followed before, the margin alone says how sure that is.
+  /// @param keep_gap  of log-likelihood, to the best
   void restart(const std::vector<FoundPose>& found, const Pose2& T_odom_base, double keep_gap, std::size_t most);
   /// Adds what a search found and is not known, as if it had explained the past as well as the best.
   void merge(const std::vector<FoundPose>& found, const Pose2& T_odom_base, double keep_gap, std::size_t most);
+  /// A new view, matched: `at` and `weight` are those with it.
+  void see(const Pose2& T_odom_base, double least_margin);
+  double found_ahead(Led led) const;
+  Led led(const Pose2& T_grid_base, const Pose2& T_odom_base) const;
   /// Orders them, joins those that came to one pose, and drops those far behind.
   void prune(double keep_gap, std::size_t most);
 };

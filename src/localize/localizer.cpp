@@ -19,9 +19,6 @@ namespace {
 constexpr double kNewViewM = 0.25, kNewViewRad = 0.35;
 constexpr double kViewShare = 0.5;  // of a view's log-likelihood that counts: views overlap
 constexpr double kKeepGap = 18.0;   // hypotheses this far behind are dropped
-// A view that fits a lone hypothesis makes it surer, where it fits better than a place in a room that the map has not,
-// which explains half of most scans.
-constexpr double kViewMargin = 4.0, kNeutralExplained = 0.58, kMarginPerShare = 40.0;
 constexpr double kPoorShare = 0.6;  // of the usual share of hits explained: less is a poor fit
 constexpr double kLeastExplained = 0.35;
 constexpr double kMemory = 0.97;
@@ -34,13 +31,9 @@ constexpr int kSearchEveryScans = 5;  // while lost
 
 constexpr double kNever = 1e9;
 constexpr double kFollowedM = 10.0;    // a pose that was ok and was followed since is not lost for so long
+constexpr double kKnownM = 30.0;       // of way, that odometry alone tells where the robot is not
 constexpr double kVerifyEveryM = 5.0;  // a pose that is ok is compared with the whole map
 constexpr double kNarrowRad = 5.0;     // a scan narrower than this is another view once it is turned
-
-double view_margin(const MapFit& fit) {
-  const double beyond = fit.explained - kNeutralExplained - 0.5 * fit.contradicting;
-  return std::clamp(kMarginPerShare * beyond, 0.0, kViewMargin);
-}
 
 double field_of_view(const Scan& scan) {
   const std::size_t n = scan.size();
@@ -127,11 +120,13 @@ void Localizer::Impl::track(const QueryScan& query, const OdometryUpdate& odomet
     h.T_grid_odom = found.T_grid_base * odometry_update.T_odom_base.inverse();
     if (new_view) h.weight += kViewShare * found.fit.log_likelihood;
   }
+  if (new_view) state.set.see(odometry_update.T_odom_base, options.ambiguous_gap);
   state.set.prune(kKeepGap, most());
 }
 
 bool Localizer::Impl::fits_poorly(const OdometryUpdate& odometry_update) const {
   if (state.set.empty()) return true;
+  if (!(state.set.all.front().ahead_of_none > 0.0)) return true;  // as likely a place that the map has not
   const double explained = state.set.all.front().at.fit.explained;
   return explained < kLeastExplained || explained < kPoorShare * state.usual_explained ||
          odometry_update.status == TrackingStatus::kLost || odometry_update.diagnostics.new_segment;
@@ -175,7 +170,10 @@ void Localizer::Impl::judge(bool poor, const RangeMeasurement& measurement, Loca
   }
   if (update.status == TrackingStatus::kLost && !poor && state.way_since_ok < kFollowedM)
     update.status = TrackingStatus::kDegraded;
-  if (update.status == TrackingStatus::kOk) state.way_since_ok = 0.0;
+  if (update.status == TrackingStatus::kOk) {
+    state.way_since_ok = 0.0;
+    state.set.known = KnownPlace{state.set.all.front().T_grid_odom, 0.0};
+  }
   state.located |= update.status == TrackingStatus::kOk;
   report_hypotheses(map.data(), state.set, measurement.T_base_laser, options, update);
 }
@@ -200,6 +198,10 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
   state.way_since_search += std::hypot(step.x, step.y);
   ++state.scans_since_search;
   state.way_since_ok += std::hypot(step.x, step.y);
+  if (state.set.known) state.set.known->way_m += std::hypot(step.x, step.y);
+  const bool broke = odom.status == TrackingStatus::kLost || odom.diagnostics.new_segment;
+  if (broke) state.set.forget_way();
+  if (state.set.known && state.set.known->way_m > kKnownM) state.set.known.reset();
   const bool narrow = field_of_view(measurement.scan) < kNarrowRad;
   const bool new_view = std::hypot(view.x, view.y) > kNewViewM || (narrow && std::abs(view.theta) > kNewViewRad);
   const std::optional<Pose2> followed =
@@ -227,9 +229,6 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
     state.way_since_ok = kNever;
   if (!poor && !state.set.empty()) {
     state.usual_explained = kMemory * state.usual_explained + (1.0 - kMemory) * state.set.all.front().at.fit.explained;
-    if (new_view && state.set.all.size() == 1)
-      state.set.margin_alone = std::clamp(state.set.margin_alone + view_margin(state.set.all.front().at.fit),
-                                          options.ambiguous_gap, kMostMargin);
   }
   if (new_view) state.T_odom_view = odom.T_odom_base;
   state.T_odom_last = odom.T_odom_base;

@@ -9,6 +9,7 @@
 namespace phasescan {
 namespace {
 
+constexpr std::size_t kStepsOfMatch = 200;  // a registration takes as long as so many boxes
 constexpr float kFirstHalfM = 0.2F, kLastHalfM = 0.03F;
 constexpr int kFirstTurns = 48;                         // boxes of the first level in a turn
 constexpr double kVisitedM = 0.12, kVisitedRad = 0.05;  // boxes this near one that was registered lead to the same pose
@@ -175,6 +176,21 @@ void add_pose(const FoundPose& pose, std::vector<FoundPose>& found) {
   found.push_back(pose);
 }
 
+/// Splits boxes down to the last level and keeps those that may hold a pose as likely as `needed`.
+/// @return false where that took more steps than allowed
+bool narrow_down(const MapGrid& grid, const Hits& hits, double needed, std::size_t most_steps, std::size_t& steps,
+                 std::vector<Box>& boxes) {
+  float half_m = kFirstHalfM, half_rad = static_cast<float>(kPi / kFirstTurns);
+  while (true) {
+    boxes = keep_possible(grid, hits, boxes, half_m, half_rad, static_cast<float>(needed));
+    if (half_m <= kLastHalfM) return true;
+    steps += 8 * boxes.size();
+    if (most_steps > 0 && steps > most_steps) return false;
+    half_m *= 0.5F, half_rad *= 0.5F;
+    boxes = split(boxes, half_m, half_rad);
+  }
+}
+
 double best_of(const std::vector<FoundPose>& found) {
   double best = -1e30;
   for (const FoundPose& pose : found) best = std::max(best, pose.fit.log_likelihood);
@@ -183,39 +199,36 @@ double best_of(const std::vector<FoundPose>& found) {
 
 }  // namespace
 
-std::vector<FoundPose> search_everywhere(const LocalizationMap::Data& map, const QueryScan& scan, double gap) {
+PosesEverywhere search_everywhere(const LocalizationMap::Data& map, const QueryScan& scan, double gap,
+                                  std::size_t most_steps) {
   GlobalSearchWorkspace work;
   // What the fast search finds says how likely a pose must be; the poses themselves are found again.
   const double known = best_of(search_map(map, scan, {}, work));
-  std::vector<FoundPose> found;
-  if (scan.beams.size() == 0) return found;
-  const MapGrid& grid = map.grid;
-  const Hits hits = hits_of(scan, grid);
-  std::vector<Box> boxes = first_boxes(grid);
-  float half_m = kFirstHalfM, half_rad = static_cast<float>(kPi / kFirstTurns);
-  const auto needed = static_cast<float>(known - gap);
-  while (true) {
-    boxes = keep_possible(grid, hits, boxes, half_m, half_rad, needed);
-    if (half_m <= kLastHalfM) break;
-    half_m *= 0.5F, half_rad *= 0.5F;
-    boxes = split(boxes, half_m, half_rad);
-  }
+  PosesEverywhere result;
+  std::vector<FoundPose>& found = result.found;
+  if (scan.beams.size() == 0) return result;
+  std::vector<Box> boxes = first_boxes(map.grid);
+  std::size_t steps = 0;
+  result.finished = narrow_down(map.grid, hits_of(scan, map.grid), known - gap, most_steps, steps, boxes);
   std::stable_sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) { return a.bound > b.bound; });
   std::vector<Pose2> begun;
   const Pose2 T_laser_base = scan.T_base_laser.inverse();
   for (const Box& box : boxes) {
+    if (!result.finished) break;
     const Pose2 T_grid_laser{static_cast<double>(box.x), static_cast<double>(box.y),
                              wrap_angle(static_cast<double>(box.theta))};
     if (box.bound < std::max(known, best_of(found)) - gap) break;
     if (visited(begun, T_grid_laser)) continue;
     begun.push_back(T_grid_laser);
     add_pose(match_near(map, scan, T_grid_laser * T_laser_base), found);
+    steps += kStepsOfMatch;
+    result.finished = most_steps == 0 || steps <= most_steps;
   }
   std::stable_sort(found.begin(), found.end(),
                    [](const FoundPose& a, const FoundPose& b) { return a.fit.log_likelihood > b.fit.log_likelihood; });
   const double least = best_of(found) - gap;
   while (!found.empty() && found.back().fit.log_likelihood < least) found.pop_back();
-  return found;
+  return result;
 }
 
 }  // namespace phasescan

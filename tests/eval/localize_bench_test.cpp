@@ -57,16 +57,18 @@ TEST(LocalizePlaces, AreReadAsTheyWereWritten) {
 }
 
 TEST(Yardstick, CountsWhatTheExhaustiveSearchKnowsAndWhatWasFoundOfIt) {
-  std::vector<YardstickRow> yardstick(4);
-  std::vector<LocalizeRow> ours(4);
+  std::vector<YardstickRow> yardstick(5);
+  std::vector<LocalizeRow> ours(5);
   for (LocalizeRow& row : ours) row.update.T_map_base = Pose2{}, row.update.status = TrackingStatus::kOk;
-  yardstick[0] = {true, true, false, true, -10.0, 1.0};  // clear, found
-  yardstick[1] = {true, true, false, true, -10.0, 2.0};  // clear, ours is elsewhere and ok
+  yardstick[0] = {true, true, true, false, true, -10.0, 1.0};  // clear, found
+  yardstick[1] = {true, true, true, false, true, -10.0, 2.0};  // clear, ours is elsewhere and ok
   ours[1].error_m = 3.0, ours[1].update.fit.log_likelihood = -30.0;
-  yardstick[2] = {true, true, true, false, -10.0, 3.0};  // ambiguous
+  yardstick[2] = {true, true, true, true, false, -10.0, 3.0};  // ambiguous
   ours[2].update.status = TrackingStatus::kAmbiguous;
-  yardstick[3] = {false, false, false, false, 0.0, 9.0};  // not on the map: counts for nothing
+  yardstick[3] = {false, true, false, false, false, 0.0, 9.0};  // not on the map: counts for nothing
+  yardstick[4] = {true, false, false, false, false, 0.0, 2.5};  // given up
   const YardstickScore s = compare(yardstick, ours, 6.0);
+  EXPECT_EQ(s.unfinished, 1U);
   EXPECT_EQ(s.n, 3U);
   EXPECT_EQ(s.truth_among, 3U);
   EXPECT_EQ(s.ambiguous, 1U);

@@ -39,6 +39,56 @@ TEST(Hypotheses, APlaceThatNothingLedToMustExplainMore) {
   EXPECT_EQ(set.all.front().at.T_grid_base.x, 0.0);
 }
 
+FoundPose explained_at(double x, double explained) {
+  FoundPose pose = found_at(x, -10.0);
+  pose.fit.explained = explained;
+  return pose;
+}
+
+/// Shows the set a number of views that the map explains so far.
+void see(HypothesisSet& set, double explained, int views) {
+  for (Hypothesis& h : set.all) h.at.fit.explained = explained;
+  for (int n = 0; n < views; ++n) set.see({}, 6.0);
+}
+
+TEST(Hypotheses, ViewsThatTheMapDoesNotExplainMakeAPoseLessSure) {
+  HypothesisSet set;
+  set.restart({explained_at(0.0, 0.9)}, {}, 18.0, 12);
+  see(set, 0.9, 10);
+  EXPECT_EQ(set.margin(), kMostMargin);
+  see(set, 0.45, 4);
+  EXPECT_LT(set.margin(), 42.0);
+  see(set, 0.45, 20);
+  EXPECT_EQ(set.margin(), 0.0);
+  see(set, 0.9, 8);  // back where the map has walls
+  EXPECT_GT(set.margin(), 45.0);
+}
+
+TEST(Hypotheses, WhatASearchFindsElsewhereMustBeConfirmedByViews) {
+  HypothesisSet set;
+  set.restart({explained_at(0.0, 0.9)}, {}, 18.0, 12);
+  set.restart({explained_at(5.0, 0.9)}, {}, 18.0, 12);
+  EXPECT_LE(set.margin(), kFoundElsewhere);
+  see(set, 0.9, 3);
+  EXPECT_GT(set.margin(), kFoundElsewhere + 12.0);
+  set.restart({explained_at(5.1, 0.9)}, {}, 18.0, 12);  // where odometry led to as well
+  EXPECT_GT(set.margin(), kFoundElsewhere + 12.0);
+}
+
+TEST(Hypotheses, WhereOdometryDidNotLeadAViewMustBeExplainedWell) {
+  for (const double explained : {0.68, 0.95}) {
+    HypothesisSet set;
+    set.restart({explained_at(0.0, 0.9)}, {}, 18.0, 12);
+    set.known = KnownPlace{{}, 1.0};
+    set.restart({explained_at(5.0, explained)}, {}, 18.0, 12);
+    see(set, explained, 4);
+    EXPECT_EQ(set.margin() > kFoundElsewhere, explained > 0.9) << explained;
+    set.known.reset();  // odometry broke: the robot may be anywhere
+    see(set, explained, 8);
+    EXPECT_GT(set.margin(), kFoundElsewhere) << explained;
+  }
+}
+
 TEST(MapFit, ARayPastAnEdgeDoesNotContradictAndOneThroughAWallDoes) {
   // A wall along x = 3 from y = -2 on; it ends at y = 0.
   const std::vector<testing::Wall> walls = {

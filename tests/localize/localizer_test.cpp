@@ -158,6 +158,35 @@ TEST(Localizer, NoticesThatItWasCarriedAwayAndFindsItselfAgain) {
   EXPECT_GE(after.ok, 45);
 }
 
+/// The map has the first room alone, and turned by half a turn the other one looks like it: nothing there is ok, and
+/// the first room is known again.
+TEST(Localizer, NothingIsOkAtAWrongPlaceInARoomThatTheMapHasNot) {
+  TrinaryMap map = toy_map(two_rooms(), {0, 0});
+  for (int k = 0; k < map.height; ++k) {
+    for (int i = 0; i < map.width; ++i) {
+      const Eigen::Vector2d p =
+          map.origin * Eigen::Vector2d((i + 0.5) * map.resolution_m, (k + 0.5) * map.resolution_m);
+      if (p.x() > 2.9) map.cells[static_cast<std::size_t>(k * map.width + i)] = CellState::kUnknown;
+    }
+  }
+  Localizer localizer(LocalizationMap::from_grid(map));
+  Random random(6);
+  int wrong_ok = 0, ok_in_first = 0, in_first = 0, in_second = 0;
+  Stamp stamp = 0;
+  for (const Pose2& pose : testing::toy_tour(0.1, 0.4, 0.8)) {
+    const LocalizationUpdate u =
+        localizer.add(measured(toy_scan(two_rooms(), pose, ToyLidar{}, random, stamp += 100'000'000)));
+    const bool ok = u.status == TrackingStatus::kOk;
+    wrong_ok += ok && !is_right(*u.T_map_base, pose);
+    const bool first = pose.x < 2.0;
+    in_first += first, in_second += pose.x > 3.5;
+    ok_in_first += ok && first;
+  }
+  EXPECT_GT(in_second, 30);
+  EXPECT_EQ(wrong_ok, 0);
+  EXPECT_GE(ok_in_first, in_first * 9 / 10) << in_first;
+}
+
 TEST(Localizer, TakesAPoseThatIsGiven) {
   const std::vector<testing::Wall> walls = {{{0, 0}, {5, 0}}, {{5, 0}, {5, 3}}, {{5, 3}, {0, 3}}, {{0, 3}, {0, 0}}};
   Localizer localizer(LocalizationMap::from_grid(toy_map(walls, {1, 1})));

@@ -18,7 +18,9 @@ TEST(SearchEverywhere, FindsTheTruthAndNothingLikelierThanItsBest) {
   for (const Pose2& truth : {Pose2{0.4, -0.6, 2.0}, Pose2{5.2, 0.3, -1.1}}) {
     const RangeMeasurement measurement{testing::toy_scan(walls, truth, testing::ToyLidar{}, random, 0), "", {}, {}};
     const QueryScan scan = prepare_query(measurement, {}, 8.0, true, work);
-    const std::vector<FoundPose> all = search_everywhere(data, scan, 6.0);
+    const auto [all, finished] = search_everywhere(data, scan, 6.0);
+    EXPECT_TRUE(finished);
+    EXPECT_FALSE(search_everywhere(data, scan, 6.0, 1000).finished);
     ASSERT_FALSE(all.empty());
     const Pose2 best = data.T_map_grid * all.front().T_grid_base;
     EXPECT_LT(translation_distance(best, truth), 0.05);
