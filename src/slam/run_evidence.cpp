@@ -23,6 +23,7 @@ constexpr double kTailShare = 0.05;                    // of edges: those that f
 constexpr double kUsualShare = 0.95;                   // of the steps: as far and fast as the robot goes
 constexpr double kMuchFaster = 1.5;                    // than that: no step of the way
 constexpr double kUsualLoops = 0.5;                    // of a keyframe: they halve what is not confirmed
+constexpr double kMostUnseen = 40.0;                   // longest gap of the runs that verdicts were fitted on
 
 std::size_t index(std::int64_t k) {
   return static_cast<std::size_t>(k);
@@ -267,7 +268,7 @@ void combine(RunEvidence& e) {
   const double unaided = 1.0 - std::min(1.0, e.wheels) * e.wheels_agreed;
   e.lost_unaided = unaided * e.lost;
   const double unseen = e.wheels_jumped > 0.0 ? 1.0 : unaided;  // over a long way wheels jump: they say nothing of it
-  e.unseen_ratio = unseen * e.longest_gap_s * share(e.way_m, e.duration_s) / right_m(e);
+  e.unseen_ratio = std::min(kMostUnseen, unseen * e.longest_gap_s * share(e.way_m, e.duration_s) / right_m(e));
   e.doubted = e.beyond_drift + e.alike + e.inconsistent;
   e.unseen_doubted = e.unseen_ratio * e.doubted;
   e.open_doubted = e.expected_ratio * e.doubted;
