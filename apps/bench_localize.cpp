@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
 
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -156,6 +157,11 @@ int run_bench_drives(const BenchLocalizeFlags& flags, const LocalizeOptions& opt
   return kDone;
 }
 
+/// JSON has no word for the median of nothing.
+std::string number_or_null(double value, int digits) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "null";
+}
+
 int run_bench_localize(const BenchLocalizeFlags& flags) {
   const Config config = config_from(flags.common);
   if (flags.runs) return run_bench_drives(flags, config.localize);
@@ -173,10 +179,10 @@ int run_bench_localize(const BenchLocalizeFlags& flags) {
   const LocalizeScore s = score_of(rows);
   std::string line = fmt::format(
       "{{\"map\": \"{}\", \"free_m2\": {:.0f}, \"n\": {}, \"right\": {}, \"within_0.5m\": {}, \"ok\": {}, \"right_ok\": {}, \"wrong_ok\": {}, "
-      "\"ambiguous\": {}, \"ambiguous_named\": {}, \"degraded\": {}, \"wrong_degraded\": {}, \"unmapped\": {}, \"lost\": {}, \"median_m\": {:.4f}, \"median_deg\": {:.3f}, \"calibration_error\": {:.4f}",
+      "\"ambiguous\": {}, \"ambiguous_named\": {}, \"degraded\": {}, \"wrong_degraded\": {}, \"unmapped\": {}, \"lost\": {}, \"median_m\": {}, \"median_deg\": {}, \"calibration_error\": {:.4f}",
       places.name, map.free_area_m2(), s.n, s.right, s.within_half_m, s.ok, s.right_ok, s.wrong_ok, s.ambiguous,
-      s.ambiguous_named, s.degraded, s.wrong_degraded, s.unmapped, s.lost, s.median_m, s.median_deg,
-      s.calibration_error);
+      s.ambiguous_named, s.degraded, s.wrong_degraded, s.unmapped, s.lost, number_or_null(s.median_m, 4),
+      number_or_null(s.median_deg, 3), s.calibration_error);
   line += ", \"reliability\": [";
   for (const ReliabilityBin& bin : s.reliability)
     line += fmt::format("{}[{:.3f}, {:.3f}, {}]", line.back() == '[' ? "" : ", ", bin.confidence, bin.right, bin.n);

@@ -248,5 +248,16 @@ TEST(LocalizeCommand, BadMapsAreRefusedInOneLine) {
   EXPECT_EQ(run_command({"localize", place.folder / "toy.log", "--out", place.folder / "bad"}).code, 2);
 }
 
+// All scans are from a room that was wiped from the map: there is no median of what was right.
+TEST(BenchLocalize, WhatNothingWasRightOfIsStillJson) {
+  const auto run =
+      run_command({"bench", "localize", "--worlds", "flat:5", "--poses", "2", "--unmapped", "1", "--seed", "1"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto line = nlohmann::json::parse(run.out);
+  EXPECT_EQ(line["right"], 0);
+  EXPECT_TRUE(line["median_m"].is_null());
+  EXPECT_TRUE(line["median_deg"].is_null());
+}
+
 }  // namespace
 }  // namespace phasescan::localize_command_test
