@@ -100,10 +100,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   send_all(fd, reinterpret_cast<const char*>(data) + 1, size - 1);
   ::shutdown(fd, SHUT_WR);
-  // The end is told, so the server must end as well, and soon.
+  // The end is told, so the server must end as well. Soon, but the machine may be busy with other targets.
   pollfd waits{fd, POLLIN, 0};
   while (true) {
-    if (::poll(&waits, 1, 5000) <= 0) std::abort();
+    if (::poll(&waits, 1, 15000) <= 0) std::abort();
     if (::recv(fd, buffer, sizeof buffer, 0) <= 0) break;
   }
   ::close(fd);
