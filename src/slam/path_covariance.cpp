@@ -143,7 +143,9 @@ std::vector<double> position_sigmas(const GraphSession& session, int seen_from) 
       const bool back = edge->to == here;
       const int there = back ? edge->from : edge->to;
       const Eigen::Matrix3d covariance = edge_covariance(*edge, session);
-      const double length = from.length + length_of(covariance);
+      const double step = length_of(covariance);
+      if (!(step >= 0.0)) continue;  // of an edge whose information is none: ways with it would become ever shorter
+      const double length = from.length + step;
       Reached& to = reached[static_cast<std::size_t>(there)];
       if (length >= to.length) continue;
       next.erase({to.length, there});
