@@ -82,13 +82,22 @@ TEST_P(KnownMapViewer, IsShownAsItIs) {
 }
 INSTANTIATE_TEST_SUITE_P(Headings, KnownMapViewer, ::testing::Values(0.0, 0.6, -2.0));
 
-TEST(KnownMap, TheWayIsDrawnWhereThePoseIsOneToGoBy) {
+/// A page that is open on a toy map.
+class KnownMapPage : public ::testing::Test {
+ protected:
+  KnownMapPage() {
+    viewer.on_open(page, "");
+    viewer.on_drained(page);
+  }
+
   Obedient control;
-  Viewer viewer(SlamOptions{}, control, [] { return std::string("{}"); });
-  const auto page = std::make_shared<Page>();
-  viewer.on_open(page, "");
-  viewer.on_drained(page);
-  const auto known = std::make_shared<const KnownMap>(testing::toy_map(testing::two_rooms(), {0, 0}));
+  Viewer viewer{SlamOptions{}, control, [] { return std::string("{}"); }};
+  const std::shared_ptr<Page> page = std::make_shared<Page>();
+  const std::shared_ptr<const KnownMap> known =
+      std::make_shared<const KnownMap>(testing::toy_map(testing::two_rooms(), {0, 0}));
+};
+
+TEST_F(KnownMapPage, TheWayIsDrawnWhereThePoseIsOneToGoBy) {
   for (int i = 0; i < 100; ++i) viewer.take(located(known, TrackingStatus::kAmbiguous, {0.1 * i, 0.0, 0.0}));
   EXPECT_TRUE(page->path.empty());
   for (int i = 0; i < 100; ++i) viewer.take(located(known, TrackingStatus::kOk, {0.1 * i, 1.0, 0.0}));
@@ -100,13 +109,7 @@ TEST(KnownMap, TheWayIsDrawnWhereThePoseIsOneToGoBy) {
   EXPECT_GT(page->path.size(), 2000U);
 }
 
-TEST(KnownMap, PlacesWhereTheRobotMayBeAreShownUntilOneIsLeft) {
-  Obedient control;
-  Viewer viewer(SlamOptions{}, control, [] { return std::string("{}"); });
-  const auto page = std::make_shared<Page>();
-  viewer.on_open(page, "");
-  viewer.on_drained(page);
-  const auto known = std::make_shared<const KnownMap>(testing::toy_map(testing::two_rooms(), {0, 0}));
+TEST_F(KnownMapPage, PlacesWhereTheRobotMayBeAreShownUntilOneIsLeft) {
   live::LiveUpdate update = located(known, TrackingStatus::kAmbiguous, {1.0, 0.0, 0.0});
   update.located->hypotheses.push_back({{4.0, 1.0, 2.0}, Eigen::Matrix3d::Identity(), 0.4});
   viewer.take(update);
