@@ -40,6 +40,11 @@ double field_of_view(const Scan& scan) {
   return n > 1 ? static_cast<double>(n) * std::abs(scan.angle(1) - scan.angle(0)) : 0.0;
 }
 
+/// Odometry does not say how the robot came here.
+bool broke(const OdometryUpdate& odometry) {
+  return odometry.status == TrackingStatus::kLost || odometry.diagnostics.new_segment;
+}
+
 struct State {
   HypothesisSet set;
   std::optional<PoseEstimate> given;  ///< by initialize, for the next scan
@@ -128,8 +133,7 @@ bool Localizer::Impl::fits_poorly(const OdometryUpdate& odometry_update) const {
   if (state.set.empty()) return true;
   if (!(state.set.all.front().ahead_of_none > 0.0)) return true;  // as likely a place that the map has not
   const double explained = state.set.all.front().at.fit.explained;
-  return explained < kLeastExplained || explained < kPoorShare * state.usual_explained ||
-         odometry_update.status == TrackingStatus::kLost || odometry_update.diagnostics.new_segment;
+  return explained < kLeastExplained || explained < kPoorShare * state.usual_explained || broke(odometry_update);
 }
 
 bool Localizer::Impl::wants_search(bool poor, TrackingStatus status) const {
@@ -199,8 +203,7 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
   ++state.scans_since_search;
   state.way_since_ok += std::hypot(step.x, step.y);
   if (state.set.known) state.set.known->way_m += std::hypot(step.x, step.y);
-  const bool broke = odom.status == TrackingStatus::kLost || odom.diagnostics.new_segment;
-  if (broke) state.set.forget_way();
+  if (broke(odom)) state.set.forget_way();
   if (state.set.known && state.set.known->way_m > kKnownM) state.set.known.reset();
   const bool narrow = field_of_view(measurement.scan) < kNarrowRad;
   const bool new_view = std::hypot(view.x, view.y) > kNewViewM || (narrow && std::abs(view.theta) > kNewViewRad);
