@@ -78,8 +78,20 @@ void print_json(const LogReport& report) {
   print(json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");  // names may hold bytes that are no UTF-8
 }
 
-int run_info(const InfoFlags& flags) {
-  if (is_state_file(flags.log)) return info_of_state(flags.log, flags.json);
+/// Flags that cut or name parts of a log say nothing of a saved run.
+void expect_no_log_flag(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || !name.starts_with("--") || name == "--json" || name == "--no-doctor") continue;
+    throw std::invalid_argument(name + ": the file is a saved run, not a log; expected no flags of logs with it");
+  }
+}
+
+int run_info(const CLI::App& command, const InfoFlags& flags) {
+  if (is_state_file(flags.log)) {
+    expect_no_log_flag(command);
+    return info_of_state(flags.log, flags.json);
+  }
   const auto reader = open_log(flags.log, flags.options);
   LogSummary summary;
   LogDoctor doctor;
@@ -118,7 +130,7 @@ void add_info_command(CLI::App& app, CommandBody& body) {
   command->add_flag("--no-doctor", flags->no_doctor, "only what the log holds: no look for what is wrong with it");
   command->add_flag("--json", flags->json, "one JSON object");
   command->footer("Example:\n  phasescan info drive.bag");
-  command->callback([flags, &body] { body = [flags] { return run_info(*flags); }; });
+  command->callback([command, flags, &body] { body = [command, flags] { return run_info(*command, *flags); }; });
 }
 
 }  // namespace phasescan::app

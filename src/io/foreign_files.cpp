@@ -6,6 +6,7 @@
 #include <cctype>
 #include <vector>
 
+#include "io/clock_stamp.hpp"
 #include "io/text_numbers.hpp"
 
 namespace phasescan {
@@ -52,11 +53,16 @@ bool is_one_of(std::string_view prefix, const Foreign& foreign) {
   return prefix.size() > foreign.at && prefix.substr(foreign.at).starts_with(foreign.magic);
 }
 
-/// The first lines of numbers, at most two.
-std::vector<std::vector<double>> number_lines(std::string_view text, char& separator) {
-  std::vector<std::vector<double>> rows;
+struct NumberLines {
+  std::vector<std::vector<double>> rows;  ///< the first lines, at most two; a stamp as a clock writes it stands as NaN
+  bool clock = false;                     ///< the first field is a stamp as a clock writes it
+};
+
+/// The first lines, where they are numbers, behind a stamp or not; else none.
+NumberLines number_lines(std::string_view text, char& separator) {
+  NumberLines lines;
   std::vector<std::string_view> fields;
-  while (!text.empty() && rows.size() < 2) {
+  while (!text.empty() && lines.rows.size() < 2) {
     const std::size_t end = text.find('\n');
     std::string_view line = text.substr(0, end);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
@@ -68,12 +74,15 @@ std::vector<std::vector<double>> number_lines(std::string_view text, char& separ
     }
     split_fields(line, separator, fields);
     while (!fields.empty() && fields.back().empty()) fields.pop_back();
-    rows.emplace_back();
     // A line longer than what is looked at ends inside a number.
     if (end == std::string_view::npos && fields.size() > 1) fields.pop_back();
-    if (!parse_numbers(fields, rows.back())) return {};
+    const bool clock = fields.size() > 1 && parse_clock_stamp(fields.front()).has_value();
+    if (clock) fields.front() = "nan";
+    lines.clock |= clock;
+    lines.rows.emplace_back();
+    if (!parse_numbers(fields, lines.rows.back())) return {};
   }
-  return rows;
+  return lines;
 }
 
 }  // namespace
@@ -89,21 +98,23 @@ std::optional<std::string> foreign_file(std::string_view prefix) {
 
 std::optional<std::string> numbers_hint(std::string_view prefix) {
   char separator = ' ';
-  const auto rows = number_lines(prefix, separator);
+  const auto [rows, clock] = number_lines(prefix, separator);
   if (rows.empty() || rows[0].size() < 2) return std::nullopt;
   const std::size_t count = rows[0].size();
+  if (clock && count == 2) return std::nullopt;  // one number at a time is no scan
   if (count <= 4) {
+    const char* names = count == 2   ? "angle_deg,range_mm"
+                        : count == 3 ? (clock ? "stamp,angle_deg,range_mm" : "angle_deg,range_mm,quality")
+                        : clock      ? "stamp,quality,angle_deg,range_mm"
+                                     : "stamp,angle_deg,range_mm,quality";
     return fmt::format(
-        "{} numbers a line and no header; expected --columns with their names, for example --columns "
-        "{} for a beam a line",
-        count,
-        count == 2   ? "angle_deg,range_mm"
-        : count == 3 ? "angle_deg,range_mm,quality"
-                     : "stamp,angle_deg,range_mm,quality");
+        "{} numbers a line and no header; expected --columns with their names, for example --columns {} for a beam a "
+        "line",
+        count, names);
   }
   // A first number that runs on while the others are of one kind is a time.
   const bool stamped =
-      rows.size() > 1 && rows[1].size() > 1 && rows[1][0] > rows[0][0] && rows[0][0] > 100.0 * rows[0][1];
+      clock || (rows.size() > 1 && rows[1].size() > 1 && rows[1][0] > rows[0][0] && rows[0][0] > 100.0 * rows[0][1]);
   return fmt::format(
       "{} numbers a line and no header; expected --columns {} and the field of view, --fov DEG (a scan a "
       "line; the names say what comes before the ranges, units as in stamp_ms,ranges_mm)",

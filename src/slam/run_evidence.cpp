@@ -2,53 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <functional>
 #include <numeric>
-#include <optional>
 #include <utility>
 
+#include "slam/evidence_numbers.hpp"
 #include "slam/finished_map.hpp"
 #include "slam/path_covariance.hpp"
+#include "slam/way_evidence.hpp"
 
 namespace phasescan {
 namespace {
 
-constexpr double kRightM = 0.2, kRightShare = 0.01;    // error of a map that is right: metres, or share of the way
-constexpr double kMostSigmaM = 1000.0;                 // of a keyframe that no edge ties to the others
-constexpr double kStillM = 0.02;                       // steps below are the noise of standing still
-constexpr double kGapPeriods = 1.8;                    // a step so long has lost a scan
-constexpr double kLeastSpeed = 0.1, kLeastTurn = 0.2;  // [m/s], [rad/s] that jumps are measured by, where all is slow
-constexpr double kTailShare = 0.05;                    // of edges: those that fit worst
-constexpr double kUsualShare = 0.95;                   // of the steps: as far and fast as the robot goes
-constexpr double kMuchFaster = 1.5;                    // than that: no step of the way
-constexpr double kUsualLoops = 0.5;                    // of a keyframe: they halve what is not confirmed
-constexpr double kMostUnseen = 40.0;                   // longest gap of the runs that verdicts were fitted on
+using namespace evidence;
 
-std::size_t index(std::int64_t k) {
-  return static_cast<std::size_t>(k);
-}
-
-double share(double part, double whole) {
-  return whole > 0.0 ? part / whole : 0.0;
-}
-
-double mean(const std::vector<double>& values) {
-  return share(std::accumulate(values.begin(), values.end(), 0.0), static_cast<double>(values.size()));
-}
-
-/// The value that a share `q` of all is below; 0 of none.
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return 0.0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-/// What a map that is right may be off by.
-double right_m(const RunEvidence& e) {
-  return std::max(kRightM, kRightShare * e.way_m);
-}
+constexpr double kMostSigmaM = 1000.0;  // of a keyframe that no edge ties to the others
+constexpr double kTailShare = 0.05;     // of edges: those that fit worst
+constexpr double kUsualLoops = 0.5;     // of a keyframe: they halve what is not confirmed
+constexpr double kMostUnseen = 40.0;    // longest gap of the runs that verdicts were fitted on
 
 /// Scans that could be matched, and what became of them.
 void count_scans(const SlamResult& result, RunEvidence& e) {
@@ -73,92 +44,6 @@ void count_scans(const SlamResult& result, RunEvidence& e) {
   e.lost = share(std::max(0.0, e.lost - none), usable);
   for (double* part : {&e.degraded, &e.ambiguous, &e.left_out, &e.off_map}) *part = share(*part, e.scans);
   e.repeated = share(repeated, messages);
-}
-
-/// A step of the way between two scans that were matched.
-struct Step {
-  std::size_t from = 0, to = 0;  ///< scans
-  double time_s = 0.0, way_m = 0.0, turn = 0.0;
-};
-
-/// Whether a scan counts for the way as the map has it.
-bool is_on_way(const ScanResult& scan) {
-  return !scan.repeated && !scan.left_out && scan.on_map && is_tracked(scan.status);
-}
-
-/// Steps within drives; what lies between two drives is no way.
-std::vector<Step> steps_of(const SlamResult& result) {
-  std::vector<Step> steps;
-  std::size_t drive = 0;
-  std::int64_t last = -1;
-  for (std::size_t i = 0; i < result.scans.size(); ++i) {
-    while (drive < result.sessions.size() && index(result.sessions[drive].first_scan) <= i) {
-      last = index(result.sessions[drive].first_scan) == i ? -1 : last;
-      ++drive;
-    }
-    if (!is_on_way(result.scans[i])) continue;
-    const Stamp stamp = result.scans[i].stamp;
-    if (last >= 0 && stamp > result.scans[index(last)].stamp) {
-      const ScanResult& before = result.scans[index(last)];
-      const Pose2 moved = before.T_map_base.inverse() * result.scans[i].T_map_base;
-      steps.push_back(
-          {index(last), i, stamp_to_seconds(stamp - before.stamp), moved.translation().norm(), std::abs(moved.theta)});
-    }
-    last = static_cast<std::int64_t>(i);
-  }
-  return steps;
-}
-
-/// How much faster and farther than all others the robot goes in one step: where the map has it jump.
-void look_for_jumps(const std::vector<Step>& steps, double period, RunEvidence& e) {
-  std::vector<double> ways, speeds, turns;
-  for (const Step& step : steps) {
-    const double time = std::max(step.time_s, 0.5 * period);
-    ways.push_back(step.way_m);
-    speeds.push_back(step.way_m / time);
-    turns.push_back(step.turn / time);
-  }
-  const auto times_most = [](const std::vector<double>& values, double least) {
-    return quantile(values, 1.0) / std::max(least, quantile(values, kUsualShare));
-  };
-  e.jump = times_most(speeds, kLeastSpeed);
-  e.turn_jump = times_most(turns, kLeastTurn);
-  const double far = quantile(ways, kUsualShare), fast = std::max(kLeastSpeed, quantile(speeds, kUsualShare));
-  double jump_m = 0.0;
-  for (const Step& step : steps)
-    jump_m = std::max(jump_m, step.way_m - kMuchFaster * std::max(far, fast * step.time_s));
-  e.jump_ratio = jump_m / right_m(e);
-}
-
-void follow_way(const SlamResult& result, RunEvidence& e) {
-  std::vector<double> periods;
-  std::optional<Pose2> counted;
-  const std::vector<Step> steps = steps_of(result);
-  for (const ScanResult& scan : result.scans) {
-    if (!is_on_way(scan)) continue;
-    if (!counted) counted = scan.T_map_base;
-    e.moved_m = std::max(e.moved_m, translation_distance(scan.T_map_base, scan.T_odom_base));
-    if (translation_distance(*counted, scan.T_map_base) < kStillM) continue;
-    e.way_m += translation_distance(*counted, scan.T_map_base);
-    counted = scan.T_map_base;
-  }
-  for (const Step& step : steps) periods.push_back(step.time_s);
-  const double period = quantile(periods, 0.5);
-  double missed = 0.0;
-  for (const Step& step : steps) {
-    e.duration_s += step.time_s;
-    if (step.time_s > e.longest_gap_s) {
-      e.longest_gap_s = step.time_s;
-      e.gap_scan = static_cast<ScanId>(step.from);
-    }
-    if (step.time_s > kGapPeriods * period) {
-      missed += step.time_s - period;
-      e.longest_gap_m = std::max(e.longest_gap_m, step.way_m);
-      e.longest_gap_turn = std::max(e.longest_gap_turn, step.turn);
-    }
-  }
-  e.gaps = share(missed, e.duration_s);
-  look_for_jumps(steps, period, e);
 }
 
 void count_loops_and_wheels(const SlamResult& result, RunEvidence& e) {
@@ -204,10 +89,8 @@ void look_at_graph(const FinishedRun& run, RunEvidence& e) {
     const double chi2 = backend.graph().edge_chi2(static_cast<int>(k));
     if (edge.robust) {
       loops.push_back(chi2);
-      e.worst_loop_chi2 = std::max(e.worst_loop_chi2, chi2);
     } else {
       steps.push_back(chi2);
-      e.worst_step_chi2 = std::max(e.worst_step_chi2, chi2);
       e.step_bend_m = std::max(e.step_bend_m, error.translation().norm());
       e.step_bend_turn = std::max(e.step_bend_turn, std::abs(error.theta));
     }
@@ -232,20 +115,17 @@ void look_at_keyframes(const FinishedRun& run, RunEvidence& e) {
     const int node = run.nodes[k];
     const double sigma = std::min(kMostSigmaM, sigmas[index(node)]);
     expected += sigma * sigma;
-    e.worst_expected_m = std::max(e.worst_expected_m, sigma);
     const Keyframe& keyframe = run.backend->keyframes()[index(node)];
     points.push_back(static_cast<double>(keyframe.points->size()));
     const double moved =
         translation_distance(run.T_map_stamp[k], run.backend->poses()[index(node)] * keyframe.T_mid_stamp);
     refined += moved * moved;
-    e.worst_refined_m = std::max(e.worst_refined_m, moved);
   }
   e.points = quantile(std::move(points), 0.5);
   const auto n = static_cast<double>(run.nodes.size());
   e.expected_m = std::sqrt(expected / n);
   e.expected_ratio = e.expected_m / right_m(e);
   e.refined_m = std::sqrt(refined / n);
-  e.refined_ratio = e.refined_m / right_m(e);
 }
 
 void look_at_map(const FinishedRun& run, RunEvidence& e) {

@@ -39,18 +39,17 @@ struct RunEvidence {
   double turn_jump = 0;     ///< the same of turning
   // The graph.
   double pieces = 0, breaks = 0, loops_per_keyframe = 0;
-  double step_chi2 = 0, worst_step_chi2 = 0;      ///< how far the graph bends steps of tracking: mean, and largest
+  double step_chi2 = 0;                           ///< how far the graph bends steps of tracking: mean
   double step_chi2_tail = 0, loop_chi2_tail = 0;  ///< mean of the twentieth of them that is worst
   double step_bend_m = 0, step_bend_turn = 0;     ///< largest [m], [rad]
-  double bend_ratio = 0;                      ///< step_bend_m by what a right map may be off: 0.2 m or 1 % of the way
-  double loop_chi2 = 0, worst_loop_chi2 = 0;  ///< how badly loops of the graph fit
-  double refined_m = 0, worst_refined_m = 0;  ///< by how much the last pass moved keyframes: root mean square, largest
-  double refined_ratio = 0;                   ///< refined_m by what a right map may be off
-  double no_overlap = 0;                      ///< 1 - overlap
-  double overlap = 1, kept = 0;               ///< of the scans with the map in the last pass: mean; share that it kept
-  double expected_m = 0, worst_expected_m = 0;  ///< standard deviation of keyframes' positions, from steps and loops
-  double expected_ratio = 0;                    ///< expected_m by what a right map may be off
-  double moved_m = 0;                           ///< farthest that loops moved a scan from where tracking had it
+  double bend_ratio = 0;         ///< step_bend_m by what a right map may be off: 0.2 m or 1 % of the way
+  double loop_chi2 = 0;          ///< how badly loops of the graph fit
+  double refined_m = 0;          ///< by how much the last pass moved keyframes: root mean square
+  double no_overlap = 0;         ///< 1 - overlap
+  double overlap = 1, kept = 0;  ///< of the scans with the map in the last pass: mean; share that it kept
+  double expected_m = 0;         ///< standard deviation of keyframes' positions, from steps and loops
+  double expected_ratio = 0;     ///< expected_m by what a right map may be off
+  double moved_m = 0;            ///< farthest that loops moved a scan from where tracking had it
   // Loops that were found, by what became of them: share.
   double loops_found = 0;  ///< their number
   double undone = 0, beyond_drift = 0, alike = 0, inconsistent = 0;
@@ -116,22 +115,17 @@ struct RunEvidence {
     v("breaks", self.breaks);
     v("loops_per_keyframe", self.loops_per_keyframe);
     v("step_chi2", self.step_chi2);
-    v("worst_step_chi2", self.worst_step_chi2);
     v("step_chi2_tail", self.step_chi2_tail);
     v("loop_chi2_tail", self.loop_chi2_tail);
     v("bend_ratio", self.bend_ratio);
     v("step_bend_m", self.step_bend_m);
     v("step_bend_turn", self.step_bend_turn);
     v("loop_chi2", self.loop_chi2);
-    v("worst_loop_chi2", self.worst_loop_chi2);
     v("refined_m", self.refined_m);
-    v("worst_refined_m", self.worst_refined_m);
-    v("refined_ratio", self.refined_ratio);
     v("overlap", self.overlap);
     v("no_overlap", self.no_overlap);
     v("kept", self.kept);
     v("expected_m", self.expected_m);
-    v("worst_expected_m", self.worst_expected_m);
     v("expected_ratio", self.expected_ratio);
     v("moved_m", self.moved_m);
     v("loops_found", self.loops_found);
@@ -151,7 +145,6 @@ struct RunEvidence {
     v(name + "_contradicting", static_cast<double>(c.contradicting));
     v(name + "_doubling", static_cast<double>(c.doubling));
     visit_shares(name, c.mean, v);
-    visit_shares(name + "_worst", c.worst, v);
     visit_shares(name + "_tail", c.tail, v);
   }
   template <class Shares, class Visitor>

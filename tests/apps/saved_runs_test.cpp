@@ -283,6 +283,9 @@ TEST_F(SavedRuns, APackedStateIsReadAgain) {
   ASSERT_EQ(packed.code, 0) << packed.err;
   expect_same_results("plain", "packed");
   EXPECT_EQ(json::parse(run_command({"info", "--json", folder_ / "a.state.gz"}).out)["scans"], 40);
+  const auto cut = run_command({"info", folder_ / "a.state.gz", "--from", "3"});
+  EXPECT_EQ(cut.code, 2);
+  EXPECT_THAT(cut.err, HasSubstr("--from: the file is a saved run, not a log"));
   const std::string bytes = slurp(folder_ / "a.state.gz");
   folder_.put("cut.gz", bytes.substr(0, bytes.size() / 2));
   EXPECT_EQ(call("merge @cut.gz --out @x").code, 2);

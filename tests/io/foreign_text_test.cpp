@@ -44,6 +44,17 @@ TEST(Matrix, WithoutAHeaderIsRefusedWithWhatToType) {
   EXPECT_THAT(refusal_of("0.5 , 2383.0, 47\n1.2 , 2373.0, 47\n"), HasSubstr("--columns angle_deg,range_mm,quality"));
 }
 
+TEST(Matrix, BehindClockTimesIsRefusedWithWhatToType) {
+  EXPECT_THAT(refusal_of("13:12:54.032452, 15, 136.28125, 413.75\n13:12:54.033942, 15, 94.21875, 945.25\n"),
+              HasSubstr("4 numbers a line and no header; expected --columns with their names, for example --columns "
+                        "stamp,quality,angle_deg,range_mm"));
+  EXPECT_THAT(refusal_of("2023-05-01T13:12:54Z,136.3,413.75\n2023-05-01T13:12:55Z,94.2,945.25\n"),
+              HasSubstr("--columns stamp,angle_deg,range_mm"));
+  EXPECT_THAT(refusal_of("13:12:54.0 1.5 1.6 1.7 1.8 1.9\n13:12:54.1 1.5 1.6 1.7 1.8 1.9\n"),
+              HasSubstr("6 numbers a line and no header; expected --columns stamp,ranges and the field of view"));
+  EXPECT_THAT(refusal_of("13:12:54.0, 1.5\n13:12:54.1, 1.6\n"), HasSubstr("is of no known format"));
+}
+
 TEST(Matrix, IsReadWithNamesAndGeometry) {
   LogOptions options;
   options.columns = "ranges";

@@ -64,7 +64,7 @@ TEST(Verdict, OneBadPlaceOfALongRunIsNoBadMap) {
   const double best = judge_run(faultless(), false).verdict.probability;
   RunEvidence e = faultless();
   e.map.far.worst = {0.5, 0.3, 0.2};
-  e.step_bend_m = 0.3, e.worst_step_chi2 = 20.0, e.worst_loop_chi2 = 60.0, e.jump = 8.0, e.longest_gap_m = 3.0;
+  e.step_bend_m = 0.3, e.jump = 8.0, e.longest_gap_m = 3.0;
   EXPECT_EQ(judge_run(e, false).verdict.probability, best);
 }
 
