@@ -62,6 +62,9 @@ struct MotionModel {
   MotionPrediction predict(const LocalMap& map, const MapPoints& points, const Pose2& T_map_last,
                            const MotionInput& input, const SearchPolicy& policy, bool new_laser,
                            const OdometryOptions& options) const;
+  /// Where stamps cannot tell whether scans are missing, a step several times as long as the ones before can: so many
+  /// periods have passed.
+  MotionInput with_scans_missing(MotionInput input, const Pose2& moved) const;
   /// Joins a match with what was expected and with the wheels.
   /// @param prior  that the match was found with
   MotionUpdate fuse(const Registration& found, const PosePrior& prior, const Pose2& moved, const MotionInput& input);

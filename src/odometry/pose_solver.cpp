@@ -60,10 +60,6 @@ void search_nearby(const LocalMap& map, const MapPoints& points, double min_over
   }
 }
 
-bool after_losses(const SearchPolicy& policy) {
-  return policy.least_share_alone > 0.0;
-}
-
 /// Whether a pose lies farther from what is expected than a share of what a match in doubt may.
 bool lies_far(const PoseQuery& query, const Pose2& T_map_base, const SearchPolicy& policy, double share) {
   const Pose2& expected = query.prior.T_map_base;
@@ -73,8 +69,8 @@ bool lies_far(const PoseQuery& query, const Pose2& T_map_base, const SearchPolic
 
 /// Whether the map alone shows the pose where scans were lost.
 bool shows_alone(const PoseQuery& query, const PoseSolution& best, const SearchPolicy& policy) {
-  return after_losses(policy) && best.found.overlap >= query.min_overlap &&
-         best.score >= policy.least_share_alone * query.usual_score;
+  return policy.scans_missing && best.found.overlap >= query.min_overlap &&
+         best.score >= policy.alone_share * query.usual_score;
 }
 
 /// Tries the match against the last scan as a start.
@@ -92,7 +88,7 @@ void fall_back_to_global_match(const LocalMap& map, const MapPoints& points, con
   const Registration again = register_points(map, points, by_match.T_map_base, {}, by_match);
   const double again_score = score_of(map, points, again.T_map_base);
   if (!last->usable && again.overlap < kDoubtfulOverlap) return;
-  const bool surprises = after_losses(policy) && lies_far(query, by_match.T_map_base, policy, kSurpriseShare);
+  const bool surprises = policy.scans_missing && lies_far(query, by_match.T_map_base, policy, kSurpriseShare);
   const double gain = surprises ? kClearlyBetter : policy.last_scan_gain;
   const double needed = best.score + (last->usable ? gain : policy.doubtful_gain);
   const bool instead_of_none = best.found.overlap < query.min_overlap && again_score >= best.score;
@@ -117,7 +113,7 @@ PoseSolution solve_pose(const LocalMap& map, const MapPoints& points, const Pose
   if (!policy.always_try_last_scan && explains(kSureShare) && determined()) return best;
 
   const std::optional<LastScanMatch> last = query.match_last_scan();
-  const bool surprises = last && after_losses(policy) && lies_far(query, last->T_map_mid, policy, kSurpriseShare);
+  const bool surprises = last && policy.scans_missing && lies_far(query, last->T_map_mid, policy, kSurpriseShare);
   const bool fused = last && last->certain && policy.fuse_last_scan && !surprises;
   if (fused) {
     best.prior = fuse_scan_to_scan(query.prior, *last);
@@ -129,7 +125,7 @@ PoseSolution solve_pose(const LocalMap& map, const MapPoints& points, const Pose
     best.found = register_points(map, points, best.prior.T_map_base, {}, best.prior);
   }
   best.score = score_of(map, points, best.found.T_map_base);
-  if (policy.always_try_last_scan) fall_back_to_global_match(map, points, query, last, policy, best);
+  if (policy.always_try_last_scan || surprises) fall_back_to_global_match(map, points, query, last, policy, best);
   if (best.full_search || explains(kMinShare)) return best;
   search_nearby(map, points, query.min_overlap, best);
   if (!explains(kFallBackShare)) fall_back_to_global_match(map, points, query, last, policy, best);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace phasescan {
 namespace {
@@ -12,13 +13,31 @@ constexpr double kMostJitter = 0.3;  // of a period: median distance of the step
 constexpr double kGapPeriods = 15.0, kGapSeconds = 6.0;
 constexpr double kMostPeriods = 15.0;  // that a motion is carried on over
 constexpr double kPeriodsOfGap = 3.0;  // after a gap no motion is carried on; how much wider the search is
+// Scans written several at a time: a quarter of the steps is so much longer than the usual one. Lost scans make fewer.
+constexpr double kLongShare = 0.75, kLongSteps = 2.5;
+constexpr double kUnsureSteps = 2.5;  // times the mean step of stamps that jitter: scans may be missing
 // [s], [periods] A turn that lasts longer is a wrong header.
 constexpr double kMostTurnS = 2.0, kMostTurnPeriods = 1.2;
 
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// The value that a share `q` of all is below.
+double quantile_of(std::vector<double>& values, double q) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return quantile_of(values, 0.5);
+}
+
+/// Whether a quarter of the steps is much longer than half of them: several scans are written at a time.
+bool comes_in_bursts(std::vector<double> steps_s) {
+  const double usual = median_of(steps_s);
+  return quantile_of(steps_s, kLongShare) > kLongSteps * usual;
 }
 
 }  // namespace
@@ -38,8 +57,12 @@ ScanTiming ScanClock::add(const Scan& scan) {
           ++gaps;
         }
         // Stamps that jitter by much of a period tell when messages were written, not when scans were taken.
-        if (jitter_s < kMostJitter * period_s)
+        timing.unsteady = jitter_s >= kMostJitter * period_s || comes_in_bursts(steps_s);
+        if (!timing.unsteady) {
           timing.periods = std::clamp(std::round(step / period_s), 1.0, timing.gap ? kPeriodsOfGap : kMostPeriods);
+        } else if (step > kUnsureSteps * mean_of(steps_s) && !timing.gap) {
+          timing.unsure_s = step;
+        }
       }
       if (steps_s.size() < kRing) {
         steps_s.push_back(step);

@@ -15,6 +15,10 @@ struct ScanTiming {
   double period_s = 0.0;    ///< the usual period [s], 0 = not known yet
   double duration_s = 0.0;  ///< of the scan's turn [s], 0 = unknown
   bool gap = false;         ///< much more time has passed than tracking can bridge
+  /// Stamps jitter too much to tell whether scans are missing: the time since the last scan, if it is so long that some
+  /// may be, else 0 [s].
+  double unsure_s = 0.0;
+  bool unsteady = false;  ///< stamps jitter so much
   /// The time since the last scan where so many are missing that the motion before says little of where the robot is
   /// now, else 0 [s].
   double lost_s() const { return periods >= 4.0 && !gap ? periods * period_s : 0.0; }

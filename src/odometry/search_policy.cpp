@@ -9,24 +9,29 @@ namespace {
 constexpr double kHardlyWorse = 0.05;
 // Where scans stand far apart, the next ones share less and less with the map that lost this one.
 constexpr int kSparseLostAfter = 2;
-// Where scans were lost: share of the usual score from which on the map alone shows the pose. Rooms look alike.
-constexpr double kAloneShare = 0.75;
 // How far indoor robots may be from where they would be had they gone on as before [m], [rad], and for each second.
 constexpr double kOffM = 0.3, kOffMPerS = 0.7, kOffRad = 0.3, kOffRadPerS = 1.5;
 
 }  // namespace
 
-SearchPolicy search_policy(const MotionVariability& variability, const OdometryOptions& options, double lost_s) {
+SearchPolicy search_policy(const MotionVariability& variability, const OdometryOptions& options,
+                           const ScanTiming& timing) {
   SearchPolicy policy;
   policy.lost_after_scans = options.lost_after_scans;
   if (!variability.is_sparse()) {
-    if (lost_s > 0.0) {
+    const double lost_s = timing.lost_s(), missing_s = std::max(lost_s, timing.unsure_s);
+    policy.scans_missing = missing_s > 0.0 || timing.unsteady;
+    policy.must_explain = lost_s > 0.0;
+    // Along a corridor a map explains a scan anywhere: the match in doubt is tried whatever the map says.
+    if (timing.unsure_s > 0.0) policy.alone_share = 1e9;
+    if (policy.scans_missing) {
+      policy.most_doubtful_turn = kOffRad + kOffRadPerS * missing_s;
+      policy.most_doubtful_m = kOffM + kOffMPerS * missing_s;
+    }
+    if (missing_s > 0.0) {
       policy.always_try_last_scan = true;
       policy.last_scan_gain = -kHardlyWorse;
       policy.try_doubtful_last_scan = true;
-      policy.most_doubtful_turn = kOffRad + kOffRadPerS * lost_s;
-      policy.most_doubtful_m = kOffM + kOffMPerS * lost_s;
-      policy.least_share_alone = kAloneShare;
     }
     return policy;
   }

@@ -3,6 +3,7 @@
 
 #include "odometry/map_points.hpp"
 #include "odometry/motion_variability.hpp"
+#include "odometry/scan_clock.hpp"
 #include "phasescan/odometry/options.hpp"
 
 namespace phasescan {
@@ -32,9 +33,12 @@ struct SearchPolicy {
   /// How far from what is expected a match against the last scan may lie if it is in doubt [rad], [m]. One beyond half
   /// of that counts as in doubt where scans were lost: it is no prior, and must explain the scan clearly better.
   double most_doubtful_turn = 1.2, most_doubtful_m = 1e9;
-  /// A pose that no match against the last scan led to must have this share of the usual score; one that has it needs
-  /// no match that is in doubt.
-  double least_share_alone = 0.0;
+  /// Scans are missing before this one, or may be: a match against the last scan that lies far from what is expected is
+  /// no prior; a pose that explains the scan by `alone_share` of the usual score needs no match that is in doubt.
+  bool scans_missing = false;
+  double alone_share = 0.75;
+  /// A pose that no match against the last scan led to must explain that share as well, or tracking begins anew.
+  bool must_explain = false;
   /// What the motion per scan may change by beside what the model has [m], [rad].
   double change_m = 0.0, change_rad = 0.0;
   /// Scans in a row without a match until a new local map is begun.
@@ -44,6 +48,9 @@ struct SearchPolicy {
 /// Dense or sparse rules, by how much the motion varies from scan to scan.
 /// @param lost_s  scans are missing before this one, and so much time has passed [s]; 0 = none is. In a dense log the
 ///                match against the last scan, which needs no guess, then counts as in a sparse one
-SearchPolicy search_policy(const MotionVariability& variability, const OdometryOptions& options, double lost_s = 0.0);
+/// @param timing  unsteady: scans may be missing at any time; the match against the last scan is asked for where the
+///                time since then is long
+SearchPolicy search_policy(const MotionVariability& variability, const OdometryOptions& options,
+                           const ScanTiming& timing = {});
 
 }  // namespace phasescan

@@ -75,6 +75,7 @@ TrackerStep Tracker::add(const RangeMeasurement& measurement) {
     step.diagnostics.residual_m = pose.found.residual_m;
     step.diagnostics.wide_search = pose.wide_search;
     step.diagnostics.full_search = pose.full_search;
+    scanned.motion = state_.motion.with_scans_missing(scanned.motion, T_map_last().inverse() * pose.found.T_map_base);
     const Pose2 moved = is_matched(scanned, pose) ? correct(scanned, pose, step) : coast(scanned, step);
     judge_fit(scanned, pose.score / usual_score, step_before, moved, step);
     move(scanned, moved, step);
@@ -108,7 +109,7 @@ Tracker::Scanned Tracker::begin(const RangeMeasurement& measurement) {
   if (!options_.deskew || state_.deskew_test.refuted())
     timing.duration_s = 0.0;  // all beams of one time: that of the stamp
   scanned.motion = state_.motion.begin_scan(timing, measurement.T_odom_base, options_);
-  scanned.policy = search_policy(state_.motion.variability, options_, timing.lost_s());
+  scanned.policy = search_policy(state_.motion.variability, options_, timing);
   scanned.frame = frame_of(measurement, scanned.motion.twist, timing.duration_s, scanned.policy);
   return scanned;
 }
@@ -232,7 +233,8 @@ bool Tracker::is_matched(const Scanned& scanned, const PoseSolution& pose) {
     state_.untracked = options_.lost_after_scans;
     return false;
   }
-  if (!pose.full_search && pose.score < scanned.policy.least_share_alone * state_.usual_score) {
+  if (scanned.policy.must_explain && !pose.full_search &&
+      pose.score < scanned.policy.alone_share * state_.usual_score) {
     // What comes next would be matched near a pose that is a guess.
     state_.untracked = options_.lost_after_scans;
     return false;

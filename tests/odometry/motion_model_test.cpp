@@ -198,6 +198,17 @@ TEST(MotionModel, TurnsAreTriedWhereNothingElseExplainsTheScan) {
   EXPECT_NEAR(turned.step(motion, input_of()).theta, 0.3, 1e-9);
 }
 
+TEST(MotionModel, AStepOfSeveralStepsSaysHowManyPeriodsPassedWhereStampsDoNot) {
+  const MotionModel motion = driving();
+  MotionInput input = input_of();
+  EXPECT_EQ(motion.with_scans_missing(input, {0.3, 0.0, 0.0}).timing.periods, 1.0) << "stamps are to be trusted";
+  input.timing.unsteady = true;
+  EXPECT_EQ(motion.with_scans_missing(input, {0.3, 0.0, 0.0}).timing.periods, 6.0);
+  EXPECT_NEAR(motion.with_scans_missing(input, {0.3, 0.0, 0.0}).seconds, 6.0 * kPeriod, 1e-12);
+  EXPECT_EQ(motion.with_scans_missing(input, {0.09, 0.0, 0.0}).timing.periods, 1.0) << "it speeds up";
+  EXPECT_EQ(motion.with_scans_missing(input, {20.0, 0.0, 0.0}).timing.periods, 15.0);
+}
+
 TEST(SearchPolicy, SparseLogsAreSearchedWidelyAndLostSooner) {
   MotionVariability dense, sparse;
   dense.set_period(0.1);
@@ -218,14 +229,32 @@ TEST(SearchPolicy, AfterLostScansTheMatchWithoutAGuessCountsWithinWhatRobotsCanD
   MotionVariability dense;
   dense.set_period(0.1);
   const OdometryOptions options;
-  const SearchPolicy usual = search_policy(dense, options), one = search_policy(dense, options, 1.0),
-                     two = search_policy(dense, options, 2.0);
-  EXPECT_EQ(usual.least_share_alone, 0.0);
+  const auto lost = [](double seconds) { return ScanTiming{.periods = 10.0 * seconds, .period_s = 0.1}; };
+  const SearchPolicy usual = search_policy(dense, options), one = search_policy(dense, options, lost(1.0)),
+                     two = search_policy(dense, options, lost(1.5));
+  EXPECT_FALSE(usual.must_explain || usual.scans_missing);
   EXPECT_TRUE(one.always_try_last_scan && one.try_doubtful_last_scan && one.fuse_last_scan);
-  EXPECT_GT(one.least_share_alone, 0.5);
+  EXPECT_TRUE(one.must_explain && one.scans_missing);
+  EXPECT_GT(one.alone_share, 0.5);
+  EXPECT_LT(one.alone_share, 1.0);
   EXPECT_GT(two.most_doubtful_turn, one.most_doubtful_turn);
   EXPECT_GT(two.most_doubtful_m, one.most_doubtful_m);
   EXPECT_LT(two.most_doubtful_turn, 4.0);
+}
+
+TEST(SearchPolicy, WhereStampsCannotTellLossesTheMatchWithoutAGuessIsAskedAfterALongStep) {
+  MotionVariability dense;
+  dense.set_period(0.1);
+  const OdometryOptions options;
+  const SearchPolicy next = search_policy(dense, options, ScanTiming{.period_s = 0.1, .unsteady = true});
+  EXPECT_TRUE(next.scans_missing);
+  EXPECT_FALSE(next.always_try_last_scan || next.must_explain);
+  const SearchPolicy later =
+      search_policy(dense, options, ScanTiming{.period_s = 0.1, .unsure_s = 1.0, .unsteady = true});
+  EXPECT_TRUE(later.scans_missing && later.always_try_last_scan && later.try_doubtful_last_scan);
+  EXPECT_FALSE(later.must_explain) << "nobody knows that scans are missing";
+  EXPECT_GT(later.alone_share, 1.0) << "however well the map explains the scan: along a corridor it explains many";
+  EXPECT_GT(later.most_doubtful_m, next.most_doubtful_m);
 }
 
 }  // namespace

@@ -53,6 +53,34 @@ TEST(ScanClock, StampsThatComeInBurstsSayNothing) {
   EXPECT_EQ(clock.add(scan_at(t + 0.3)).periods, 1.0);
 }
 
+TEST(ScanClock, SeveralScansAtATimeAreNoFastClock) {
+  ScanClock clock;
+  double t = 0.0;
+  for (int k = 0; k < 60; ++k) clock.add(scan_at(t += k % 3 == 0 ? 0.6 : 0.002));
+  const ScanTiming timing = clock.add(scan_at(t + 0.6));
+  EXPECT_TRUE(timing.unsteady);
+  EXPECT_EQ(timing.periods, 1.0) << "not three hundred steps of 2 ms";
+  ScanClock lossy;
+  for (int k = 0; k < 60; ++k) lossy.add(scan_at(t += k % 7 == 0 ? 0.5 : 0.1));
+  EXPECT_FALSE(lossy.add(scan_at(t + 0.1)).unsteady) << "one in seven comes late: scans were lost";
+}
+
+TEST(ScanClock, InBurstsALongStepMayHaveLostScans) {
+  ScanClock clock;
+  double t = 0.0;
+  for (int k = 0; k < 40; ++k) clock.add(scan_at(t += 0.02 + 0.03 * (k % 7)));
+  const auto after = [&clock, t](double step) { return ScanClock(clock).add(scan_at(t + step)); };
+  EXPECT_TRUE(after(0.2).unsteady);
+  EXPECT_EQ(after(0.2).unsure_s, 0.0);
+  EXPECT_NEAR(after(0.5).unsure_s, 0.5, 1e-9);
+  EXPECT_EQ(after(0.5).lost_s(), 0.0) << "nobody knows";
+  EXPECT_EQ(after(60.0).unsure_s, 0.0) << "a gap has rules of its own";
+  ScanClock even = steady(0.1, 3.0);
+  const ScanTiming timing = even.add(scan_at(3.5));
+  EXPECT_FALSE(timing.unsteady);
+  EXPECT_EQ(timing.unsure_s, 0.0);
+}
+
 TEST(ScanClock, AGapIsLongInSecondsAndInPeriods) {
   const auto gap_after = [](double period, double pause) {
     ScanClock clock = steady(period, 40.0 * period);
