@@ -56,11 +56,72 @@ Pose2 refine_pose(const LocalMap& map, const MapPoints& points, const Pose2& T_m
   return map.T_world_map() * found.T_map_base;
 }
 
-/// Scans that were left out move as the one before them did.
-void place_between_neighbours(std::span<const ScanRecord> records, std::span<const Pose2> guess,
-                              std::vector<Pose2>& out) {
+/// Scans that were left out move as the one before them did; one that repeats another stands where that does.
+void place_others(std::span<const ScanRecord> records, std::span<const Pose2> guess, std::vector<Pose2>& out) {
   for (std::size_t i = 1; i < records.size(); ++i) {
-    if (records[i].left_out) out[i] = out[i - 1] * (guess[i - 1].inverse() * guess[i]);
+    if (records[i].repeated && records[i].keyframe >= 0) {
+      out[i] = out[i - 1];
+    } else if (records[i].left_out) {
+      out[i] = out[i - 1] * (guess[i - 1].inverse() * guess[i]);
+    }
+  }
+}
+
+/// Matches scans against the map of what is around a keyframe. Made anew where that changes.
+class ScanRefiner {
+ public:
+  ScanRefiner(const Backend& backend, const ScanStore& scans, const OdometryOptions& options)
+      : backend_(backend), scans_(scans), options_(options) {}
+
+  Pose2 refine(std::size_t index, const Scan& scan, int keyframe, const Twist2& twist, const Pose2& T_map_base,
+               RefinementFit& fit) {
+    if (keyframe != built_for_) {
+      built_for_ = keyframe;
+      backend_.build_surroundings(built_for_, kMaxKeyframes, map_);
+    }
+    const Pose2& T_base_laser = scans_.T_base_laser(index);
+    find_surface(scan, twist_of_frame(T_base_laser, twist), work_, surface_, kTrackingLines);
+    to_map_points(surface_, T_base_laser, options_.map_range_m, points_);
+    return refine_pose(map_, points_, T_map_base, options_.min_overlap, fit);
+  }
+
+ private:
+  const Backend& backend_;
+  const ScanStore& scans_;
+  const OdometryOptions& options_;
+  int built_for_ = -1;
+  LocalMap map_;
+  SurfaceWorkspace work_;
+  SurfacePoints surface_;
+  MapPoints points_;
+};
+
+bool tells_motion(const ScanRecord& record) {
+  return !record.repeated && !record.left_out;
+}
+
+/// Scans that were lost before tracking found its way again: where the way back from there leads to and the map agrees.
+/// Another piece of the map has no way back.
+/// @param placed  whether a scan's pose is to be relied on
+void place_lost_scans(const ScanStore& scans, const ScanLedger& ledger, const MapPieces& pieces,
+                      std::vector<char>& placed, ScanRefiner& refiner, std::vector<Pose2>& out) {
+  const auto piece = [&](std::size_t scan) {
+    return pieces.of_node[static_cast<std::size_t>(ledger.records[scan].keyframe)];
+  };
+  const std::vector<ScanRecord>& records = ledger.records;
+  std::size_t next = records.size(), after = records.size();
+  for (std::size_t i = records.size(); i-- > 0;) {
+    if (!tells_motion(records[i]) || records[i].keyframe < 0) continue;
+    const bool leads_back = next < records.size() && placed[next] && ledger.session_of(i) == ledger.session_of(next) &&
+                            piece(i) == piece(next);
+    if (!placed[i] && leads_back) {
+      Pose2 step;
+      if (after < records.size() && placed[after]) step = out[next].inverse() * out[after];
+      RefinementFit fit;
+      const Pose2 found = refiner.refine(i, scans.scan(i), records[next].keyframe, {}, out[next] * step.inverse(), fit);
+      if (fit.kept == 0) out[i] = found, placed[i] = 1;
+    }
+    after = next, next = i;
   }
 }
 
@@ -70,36 +131,24 @@ std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& sc
                                      const ScanLedger& ledger, const OdometryOptions& options, RefinementFit* fit) {
   const std::vector<ScanRecord>& records = ledger.records;
   std::vector<Pose2> out(guess.begin(), guess.end());
-  LocalMap map;
-  SurfaceWorkspace work;
-  SurfacePoints surface;
-  MapPoints points;
+  ScanRefiner refiner(backend, scans, options);
   ScanClock clock;
   RefinementFit counts;
-  int built_for = -1;
+  std::vector<char> placed(records.size(), 0);
   std::size_t before = 0;
   for (std::size_t i = 0; i < records.size(); ++i) {
     const Scan scan = scans.scan(i);
     const ScanTiming timing = clock.add(scan);
-    if (records[i].keyframe < 0) continue;
-    if (records[i].repeated) {
-      out[i] = out[i - 1];
-      continue;
-    }
-    if (records[i].left_out) continue;
-    if (records[i].keyframe != built_for) {
-      built_for = records[i].keyframe;
-      backend.build_surroundings(built_for, kMaxKeyframes, map);
-    }
+    if (records[i].keyframe < 0 || !tells_motion(records[i])) continue;
     Twist2 twist;
     if (options.deskew) twist = turn_twist(ledger, guess, i, before, scan.time_increment, timing);
     before = i;
-    const Pose2& T_base_laser = scans.T_base_laser(i);
-    find_surface(scan, twist_of_frame(T_base_laser, twist), work, surface, kTrackingLines);
-    to_map_points(surface, T_base_laser, options.map_range_m, points);
-    out[i] = refine_pose(map, points, guess[i], options.min_overlap, counts);
+    const std::size_t kept = counts.kept;
+    out[i] = refiner.refine(i, scan, records[i].keyframe, twist, guess[i], counts);
+    placed[i] = is_tracked(records[i].status) || counts.kept == kept;
   }
-  place_between_neighbours(records, guess, out);
+  place_lost_scans(scans, ledger, backend.pieces(), placed, refiner, out);
+  place_others(records, guess, out);
   if (fit != nullptr) *fit = counts;
   return out;
 }

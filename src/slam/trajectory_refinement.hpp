@@ -25,7 +25,8 @@ struct RefinementFit {
 /// Without bounded memory only: every keyframe is a node, every scan is in the store.
 /// @param fit    null, or where it goes
 /// @param guess  pose of the base at each scan's stamp, on the map
-/// @return the same, better: a scan whose match moves it far, or does not succeed, keeps its pose
+/// @return the same, better: a scan whose match moves it far, or does not succeed, keeps its pose; one that tracking
+///         had lost is led back from where it found its way again, if the map agrees
 /// @cost one registration per scan, one local map per keyframe
 std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& scans, std::span<const Pose2> guess,
                                      const ScanLedger& ledger, const OdometryOptions& options,

@@ -9,6 +9,7 @@
 namespace phasescan::trajectory_refinement_test {
 namespace {
 
+using testing::corridor_with_niches;
 using testing::toy_keyframes;
 using testing::toy_scan;
 using testing::ToyLidar;
@@ -71,6 +72,30 @@ TEST(TrajectoryRefinement, MotionOfATurnIsThatBeforeItsStampWhereBeamsAreListedL
     const auto k = static_cast<std::size_t>(i);
     EXPECT_LT(std::abs(wrap_angle(poses[k].theta - truth[k].theta)), 0.01) << i;
   }
+}
+
+TEST(TrajectoryRefinement, LostScansAreLedBackFromWhereTrackingFoundItsWayAgain) {
+  ScansAround run;
+  std::vector<Pose2> truth, guess;
+  for (int i = 0; i < 12; ++i) {
+    truth.push_back({0.05 * i, 0.01 * i, 0.02 * i});
+    run.add(truth.back(), {}, 0.0);
+    const bool lost = i >= 4 && i < 8;
+    run.records.back().status = lost ? TrackingStatus::kLost : TrackingStatus::kOk;
+    guess.push_back(lost ? truth[3] * Pose2{-0.2, 0.1, -0.3} : truth.back());
+  }
+  const std::vector<Pose2> poses = run.refined(guess);
+  for (std::size_t i = 0; i < 12; ++i) {
+    EXPECT_LT(translation_distance(poses[i], truth[i]), 0.02) << i;
+    EXPECT_LT(angle_distance(poses[i].theta, truth[i].theta), 0.01) << i;
+  }
+  // Tracking began anew elsewhere, and nothing ties that to the map before.
+  Random random(4);
+  auto elsewhere = toy_keyframes(corridor_with_niches(9, 0.5), {{4, 0, 0}}, random);
+  elsewhere[0].new_segment = true;
+  run.backend.add_batch(std::move(elsewhere));
+  for (std::size_t i = 8; i < 12; ++i) run.records[i].keyframe = 3;
+  EXPECT_EQ(run.refined(guess)[7], guess[7]) << "another piece has no way back";
 }
 
 }  // namespace
