@@ -1,4 +1,5 @@
 """The SLAM tables of docs/results/slam.md, from the results.json files of scripts/slam_results."""
+import burst_table
 import verdict_runs
 
 
@@ -112,5 +113,10 @@ def verdict(rows, _):
     return markdown(header, table, 1)
 
 
-KINDS = {"slam-verdict": verdict, "slam-relations": relations, "slam-relation-noise": relation_noise, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same, "slam-glass": glass, "slam-sparse": sparse,
+def bursts(rows, _):
+    header, table = burst_table.table(rows)
+    return markdown(header, table, 2)
+
+
+KINDS = {"slam-bursts": bursts, "slam-verdict": verdict, "slam-relations": relations, "slam-relation-noise": relation_noise, "slam-cost": cost, "slam-lowcost": lowcost, "slam-simulated": simulated, "slam-same": same, "slam-glass": glass, "slam-sparse": sparse,
          "slam-retrieval": retrieval, "slam-memory": memory}
