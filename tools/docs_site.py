@@ -15,9 +15,9 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 PARTS = {
     "Start": ["start", "install", "coming-from", "troubleshooting", "limits"],
     "Guides": ["match", "slam", "localise", "live", "ros2", "python", "calibrate", "fleet", "simulator", "examples/README"],
-    "Concepts": ["global", "fft_icp", "slam-method", "slam-limits", "places", "architecture"],
+    "Concepts": ["concepts", "global", "fft_icp", "slam-method", "slam-limits", "places", "architecture"],
     "Reference": ["reference/commands", "parameters", "reference/python", "reference/headers", "logs", "state-file"],
-    "Results": ["RESULTS", "results/matching", "results/honesty", "results/time", "results/slam", "results/localise", "results/live", "results/files", "results/results-json", "rivals"],
+    "Results": ["RESULTS", "results/matching", "results/honesty", "results/time", "results/slam", "results/localise", "results/live", "results/fleets", "results/files", "results/results-json", "rivals"],
     "Project": ["CONTRIBUTING", "CHANGELOG", "licences"],
 }
 
