@@ -76,8 +76,9 @@ LocalizationMap)");
 
 void bind_estimate(py::module_& module) {
   py::class_<PoseEstimate> type(module, "PoseEstimate", "A place where the robot may be.");
-  type.def_property_readonly(
-      "T_map_base", [](const PoseEstimate& e) { return e.T_map_base; }, "Pose2: [m, rad].");
+  const auto pose = [](const PoseEstimate& e) { return e.T_map_base; };
+  type.def_property_readonly("T_map_base", pose, "Pose2: Frame of the map [m, rad].");
+  type.def_property_readonly("pose", pose, "Pose2: T_map_base.");
   type.def_property_readonly(
       "covariance", [](const PoseEstimate& e) { return matrix_array(e.covariance); },
       "ndarray, shape (3, 3): [m^2, m rad, rad^2].");

@@ -74,7 +74,8 @@ def open_engine(scheduler: str | None, workers: int, say: Callable[[str], None])
         No scheduler answers at that address.
     """
     dask.config.set({"distributed.scheduler.allowed-failures": MOST_DEATHS, "distributed.comm.timeouts.connect": "20s",
-                     "distributed.worker.daemon": True, "distributed.admin.tick.limit": "60s"})
+                     "distributed.worker.daemon": True, "distributed.admin.tick.limit": "60s",
+                     "distributed.worker.profile.enabled": False})  # it looks at every thread 100 times a second
     logging.getLogger("distributed").setLevel(logging.ERROR)
     if scheduler:
         with distributed.Client(scheduler) as client:
