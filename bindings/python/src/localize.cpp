@@ -198,7 +198,10 @@ void bind_localize(py::module_& module) {
       },
       py::arg("map"), py::arg("scan"), py::kw_only(), py::arg("T_base_laser") = py::none(),
       py::arg("options") = py::none(),
-      R"(Where the robot is, from one scan and the map alone.
+      R"(locate(map, scan, *, T_base_laser=None, options=None, **keywords)
+--
+
+Where the robot is, from one scan and the map alone.
 
 Parameters
 ----------
