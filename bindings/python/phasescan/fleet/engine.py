@@ -75,7 +75,9 @@ def open_engine(scheduler: str | None, workers: int, say: Callable[[str], None])
     """
     dask.config.set({"distributed.scheduler.allowed-failures": MOST_DEATHS, "distributed.comm.timeouts.connect": "20s",
                      "distributed.worker.daemon": True, "distributed.admin.tick.limit": "60s",
-                     "distributed.worker.profile.enabled": False})  # it looks at every thread 100 times a second
+                     # What looks at its own processes 2 to 100 times a second, and takes a share of the cores that grows with the time a run takes.
+                     "distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "1s",
+                     "distributed.admin.system-monitor.interval": "5s"})
     logging.getLogger("distributed").setLevel(logging.ERROR)
     if scheduler:
         with distributed.Client(scheduler) as client:
