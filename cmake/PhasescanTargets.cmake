@@ -9,6 +9,10 @@ function(phasescan_configure target)
     # gcc 12 sees overlapping copies in "literal" + std::string at -O2 and above (GCC bug 105651).
     target_compile_options(${target} PRIVATE -Wno-restrict)
   endif()
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)")
+    # The kernels keep vectors in structs, which vectors of no fixed size cannot be in: NEON, which every arm64 has.
+    target_compile_definitions(${target} PRIVATE "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
+  endif()
   if(PHASESCAN_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()

@@ -11,13 +11,15 @@ import shutil
 import subprocess
 import sys
 
+import phasescan
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PARTS = {
     "Start": ["start", "install", "coming-from", "troubleshooting", "limits"],
     "Guides": ["match", "slam", "localise", "live", "ros2", "python", "calibrate", "fleet", "simulator", "examples/README"],
-    "Concepts": ["global", "fft_icp", "slam-method", "slam-limits", "places", "architecture"],
+    "Concepts": ["concepts", "global", "fft_icp", "slam-method", "slam-limits", "places", "architecture"],
     "Reference": ["reference/commands", "parameters", "reference/python", "reference/headers", "logs", "state-file"],
-    "Results": ["RESULTS", "results/matching", "results/honesty", "results/time", "results/slam", "results/localise", "results/live", "results/files", "results/results-json", "rivals"],
+    "Results": ["RESULTS", "results/matching", "results/honesty", "results/time", "results/slam", "results/localise", "results/live", "results/fleets", "results/files", "results/results-json", "rivals"],
     "Project": ["CONTRIBUTING", "CHANGELOG", "licences"],
 }
 
@@ -74,8 +76,29 @@ def commands(site, command):
     return names
 
 
+PYTHON = {
+    "Matching": ["match", "match_many", "Matcher", "Reference", "MatchResult", "MatchAlternative", "MatchResults", "MatchOptions"],
+    "Scans, poses, maps": ["Scan", "RangeMeasurement", "Pose2", "Twist2", "TrinaryMap", "plot"],
+    "Odometry and SLAM": ["Slam", "ScanUpdate", "SlamResult", "RunVerdict", "SlamState", "SlamOptions", "Odometry", "OdometryUpdate", "OdometryOptions"],
+    "Localisation": ["LocalizationMap", "Localizer", "locate", "LocalizationUpdate", "PoseEstimate", "LocalizeOptions"],
+    "A sensor plugged in": ["live", "Live", "LiveUpdate"],
+    "Logs, simulator, evaluation": ["open_log", "LogReader", "LogEntry", "simulate", "SimulatedLog", "evaluate"],
+    "Errors": ["InputError", "OptionError", "StateError", "SystemError"],
+}
+
+
 def python(site):
-    put(site / "reference/python.md", "# Python, name by name\n\n```{eval-rst}\n.. automodule:: phasescan\n   :members:\n   :imported-members:\n```\n")
+    """What people use first comes first. Every public name stands in one part."""
+    public = {name for name in phasescan.__all__ if name != "__version__"}
+    listed = [name for names in PYTHON.values() for name in names]
+    if public.symmetric_difference(listed) or len(listed) != len(public):
+        sys.exit(f"docs_site: names of the module and of its reference differ: {', '.join(sorted(public.symmetric_difference(listed))) or 'one stands twice'}")
+    text = "# Python, name by name\n\n```{eval-rst}\n.. automodule:: phasescan\n```\n"
+    for part, names in PYTHON.items():
+        entries = "\n".join(f".. {'autofunction' if name[0].islower() else 'autoexception' if name.endswith('Error') else 'autoclass'}:: phasescan.{name}"
+                            + ("" if name[0].islower() else "\n   :members:") + "\n" for name in names)
+        text += f"\n## {part}\n\n```{{eval-rst}}\n{entries}```\n"
+    put(site / "reference/python.md", text)
 
 
 def headers(site):

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""What scripts/fleet_results prints: fleets of simulated logs against their truth.
+"""What scripts/fleet_results prints: fleets of simulated logs against their truth, recorded ones, workers that die, and a growing index.
 
-Two logs of a world belong together where the true ways pass within 2 m of each other; logs of one world hang together through others.
-Precision: share of the pairs in one group that are of one world. Recall: share of the logs with such a neighbour that are in a group
-with one of their world. Joint maps: ATE of each group's trajectory over all its logs in one frame, against the world's.
+Each part is a table of its own: FOLDER/fleet-PART.md. What is counted how: tools/fleet_truth.py.
 """
-import hashlib
+import argparse
 import json
+import os
 import pathlib
 import random
 import resource
@@ -21,138 +20,80 @@ import time
 
 import numpy as np
 
-import phasescan
+from fleet_truth import group_lines, groups_of, joint_lines, make_logs, results_digest
 from phasescan.fleet import alike
 
-SEED, SCANS_S, NEAR_M = 5000, 55.0, 2.0
+PARTS = ("simulated", "buildings", "workers", "recorded", "index")
+RECORDED = ("carmen/intel-raw.log.gz", "carmen/intel-corrected.log.gz", "carmen/fr079-raw.log.gz", "carmen/freiburg-079-corrected.log.gz",
+            "lowcost/rplidar-a1-14m.log.gz", "lowcost/rplidar-a1-16m.log.gz")
 
 
-def make_logs(folder, kinds, each):
-    folder.mkdir(exist_ok=True)
-    for world, kind in enumerate(kinds):
-        for k in range(each):
-            path = folder / f"{world:03d}-{k}.jsonl"
-            if not path.exists():
-                phasescan.simulate(f"{kind}:{SEED + world}", seed=1000 * world + k + 7, duration_s=SCANS_S).save(path)
+def fleet(manifest, out, workers, *more):
+    command = [sys.executable, "-m", "phasescan.fleet", "run", str(manifest), "--out", str(out), "--workers", str(workers), *more]
+    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
 
 
-def world_of(name):
-    return int(pathlib.PurePath(name).name[:3])
-
-
-def truth_of(path):
-    return np.loadtxt(f"{path}.truth.tum")
-
-
-def with_neighbour(paths):
-    """Of each log whether the true way of another of its world passes within 2 m."""
-    ways = [truth_of(p)[::5, 1:3] for p in paths]
-    worlds = [world_of(p) for p in paths]
-    near = [False] * len(paths)
-    for a in range(len(paths)):
-        for b in range(a):
-            if worlds[a] == worlds[b] and not (near[a] and near[b]):
-                if np.linalg.norm(ways[a][:, None] - ways[b][None], axis=2).min() <= NEAR_M:
-                    near[a] = near[b] = True
-    return near
+def idle_s():
+    """Of all cores since the machine began."""
+    words = pathlib.Path("/proc/stat").read_text().split("\n", 1)[0].split()
+    return (int(words[4]) + int(words[5])) / os.sysconf("SC_CLK_TCK")
 
 
 def run(manifest, out, workers, *more):
-    """Runs a fleet. Returns wall time and CPU time of all processes [s]."""
-    begin, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
-    told = subprocess.run([sys.executable, "-m", "phasescan.fleet", "run", manifest, "--out", out, "--workers", str(workers), *more], capture_output=True, text=True)
-    if told.returncode:
-        sys.exit(told.stderr)
+    """Runs a fleet. Returns its cost.json with CPU time of all its processes, and how long cores had nothing to do."""
+    before, idle = resource.getrusage(resource.RUSAGE_CHILDREN), idle_s()
+    process = fleet(manifest, out, workers, *more)
+    told = process.communicate()[1]
+    if process.returncode:
+        sys.exit(told)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.monotonic() - begin, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    cost = json.loads((out / "cost.json").read_text())
+    cost["all_cpu_s"] = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    cost["idle_s"] = idle_s() - idle
+    return cost
 
 
-def results_digest(out):
-    """Of all result files but those with times."""
-    total = hashlib.sha256()
-    for path in sorted(out.rglob("*")):
-        if path.is_file() and path.name != "cost.json":
-            total.update(str(path.relative_to(out)).encode() + b"\0" + path.read_bytes())
-    return total.hexdigest()[:16]
+def cost_lines(cost):
+    cpu = {name: cost["cpu_s"].get(name, 0.0) for name in ("maps", "index", "places", "ties", "joint maps")}
+    ours = sum(cpu.values())
+    second = cpu["index"] + cpu["places"] + cpu["ties"]
+    yield f"| CPU of stage 1, stage 2, stage 3 | {cpu['maps']:.0f}, {second:.0f}, {cpu['joint maps']:.0f} s |"
+    yield f"| stage 2 against stage 1 | {second / cpu['maps']:.2f} |"
+    yield (f"| of the CPU time of all its processes, in our code (the rest: Dask, starting Python) | {100 * ours / cost['all_cpu_s']:.1f} % of {cost['all_cpu_s']:.0f} s |")
+    yield (f"| of the time of both cores that other programs left, in our code | {100 * ours / (cost['all_cpu_s'] + cost['idle_s']):.1f} % |"
+           f"\n| wall time with {cost['workers']} workers, {os.cpu_count()} cores, other programs beside them or not | {cost['wall_s']:.0f} s |")
 
 
-def groups_table(paths, out):
-    groups = json.loads((out / "groups.json").read_text())
-    right = pairs = 0
-    tied = set()
-    for group in groups:
-        worlds = [world_of(name) for name in group["logs"]]
-        for a in range(len(worlds)):
-            for b in range(a):
-                pairs += 1
-                right += worlds[a] == worlds[b]
-                if worlds[a] == worlds[b]:
-                    tied.update((group["logs"][a], group["logs"][b]))
-    near = with_neighbour(paths)
-    asked = [f"logs/{p.name}" for p, n in zip(paths, near) if n]
-    found = sum(name in tied for name in asked)
-    print(f"| pairs in one group that are of one world | {right} of {pairs} ({100 * right / max(pairs, 1):.2f} %) |")
-    print(f"| logs that pass within {NEAR_M:g} m of another of their world: tied to one | {found} of {len(asked)} ({100 * found / max(len(asked), 1):.1f} %) |")
-    return groups
+def simulated(work, kinds, each):
+    paths = make_logs(work / "logs", kinds, each)
+    (work / "manifest.txt").write_text("logs/*.jsonl\n")
+    cost = run(work / "manifest.txt", work / "out", 2)
+    rows = sqlite3.connect(work / "out" / "fleet.sqlite").execute("SELECT status, count(*) FROM logs GROUP BY status ORDER BY status").fetchall()
+    yield f"| {len(paths)} logs of {len(kinds)} worlds | |\n|---|---|"
+    yield f"| logs by status | {', '.join(f'{status}: {count}' for status, count in rows)} |"
+    groups = groups_of(work / "out")
+    yield f"| groups of more than one log | {sum(len(names) > 1 for names, _ in groups)} |"
+    yield from group_lines(paths, groups)
+    yield from joint_lines(work / "logs", work / "out", groups)
+    yield from cost_lines(cost)
 
 
-def joint_table(folder, out, groups):
-    errors, many = [], 0
-    for group in (g for g in groups if len(g["logs"]) > 1):
-        many += 1
-        estimate = np.loadtxt(out / group["map"].replace("map.yaml", "trajectory.tum"))
-        summary = json.loads((out / group["map"].replace("map.yaml", "summary.json")).read_text())
-        truth = np.concatenate([truth_of(folder / entry["log"]) for entry in summary["inputs"]])
-        if len(estimate) != len(truth):
-            sys.exit(f"{group['map']}: {len(estimate)} poses of {len(truth)} scans")
-        stamps = np.arange(len(truth), dtype=float)  # drives overlap in time: poses pair by their number
-        pose = lambda t: np.column_stack([t[:, 1], t[:, 2], 2 * np.arctan2(t[:, 6], t[:, 7])])
-        errors.append(phasescan.evaluate((stamps, pose(estimate)), (stamps, pose(truth)))["ate_m"]["rmse"])
-    if errors:
-        print(f"| ATE of the {many} joint maps: median, 90 %, worst | {np.median(errors):.3f}, {np.quantile(errors, 0.9):.3f}, {max(errors):.3f} m;"
-              f" {sum(e > 0.08 for e in errors)} above 0.08 m |")
-
-
-def stage_costs(out):
-    base = sqlite3.connect(out / "fleet.sqlite")
-    return base.execute("SELECT sum(cpu_s) FROM timing").fetchone()[0]
-
-
-def kill_workers(process, times, chance):
+def kill_workers(process, times, chance, killed):
     """Kills workers of a cluster at random moments: children of the run's process that are Dask's."""
-    killed = 0
-    while process.poll() is None and killed < times:
+    while process.poll() is None and len(killed) < times:
         time.sleep(chance.uniform(1.0, 3.0))
         told = subprocess.run(["pgrep", "-f", "--parent", str(process.pid), "spawn_main"], capture_output=True, text=True).stdout.split()
         if len(told) > 2:
-            try:
-                subprocess.run(["kill", "-KILL", chance.choice(told)], check=False, capture_output=True)
-                killed += 1
-            except OSError:
-                pass
-    return killed
+            worker = chance.choice(told)
+            if subprocess.run(["kill", "-KILL", worker], check=False, capture_output=True).returncode == 0:
+                killed.append(worker)
 
 
-def killed_run(work, manifest, clean_digest_of):
-    """6 workers, three of them killed, 5 % of the logs broken: the same results of the others, the broken ones named."""
-    chance = random.Random(1)
-    out = work / "killed"
-    process = subprocess.Popen([sys.executable, "-m", "phasescan.fleet", "run", manifest, "--out", out, "--workers", "6", "--no-times"], stderr=subprocess.PIPE, text=True)
-    killed = []
-    killer = threading.Thread(target=lambda: killed.append(kill_workers(process, 3, chance)))
-    killer.start()
-    told = process.communicate()[1]
-    killer.join()
-    named = sum(line.startswith("phasescan: broken/") for line in told.splitlines())
-    same = results_digest(out) == clean_digest_of
-    print(f"| 6 workers, {killed[0]} killed, broken logs among the others: named | {named}; results {'the same bytes' if same else 'DIFFER'} as of 2 workers |")
-
-
-def break_logs(folder, paths):
-    """A broken log for each twenty: cut in the first line, other bytes, empty, none there."""
+def break_logs(folder, count):
+    """Broken logs: cut in the first line, other bytes, empty, none there."""
     folder.mkdir(exist_ok=True)
     names = []
-    for k in range(max(1, len(paths) // 20)):
+    for k in range(count):
         path = folder / f"{k:03d}.jsonl"
         path.write_bytes([b'{"angle_min": ', bytes(range(256)), b"", b""][k % 4])
         if k % 4 == 3:
@@ -161,12 +102,51 @@ def break_logs(folder, paths):
     return names
 
 
-def index_table():
+def workers(work, kinds, each):
+    """1, 2, 4, 6 workers, then six of which three are killed: the same bytes, broken logs among the others."""
+    paths = make_logs(work / "logs", kinds, each)
+    broken = break_logs(work / "broken", max(1, len(paths) // 19))
+    (work / "manifest.txt").write_text("\n".join([f"logs/{p.name}" for p in paths] + broken) + "\n")
+    yield f"| {len(paths)} logs and {len(broken)} broken ones | wall, s | CPU in our code, s | results |\n|---|---|---|---|"
+    digests, costs = {}, {}
+    for count in (1, 2, 4, 6):
+        costs[count] = run(work / "manifest.txt", work / f"out{count}", count, "--no-times")
+        digests[count] = results_digest(work / f"out{count}")
+        same = "" if count == 1 else "the same bytes" if digests[count] == digests[1] else "OTHER BYTES"
+        yield f"| {count} worker{'s' if count > 1 else ''} | {costs[count]['wall_s']:.1f} | {sum(costs[count]['cpu_s'].values()):.1f} | {same} |"
+        if count != 1:
+            shutil.rmtree(work / f"out{count}")
+    killed = []
+    begin = time.monotonic()
+    process = fleet(work / "manifest.txt", work / "killed", 6, "--no-times")
+    killer = threading.Thread(target=kill_workers, args=(process, 3, random.Random(1), killed))
+    killer.start()
+    told = process.communicate()[1]
+    killer.join()
+    named = sum(line.startswith("phasescan: broken/") for line in told.splitlines())
+    same = process.returncode == 0 and results_digest(work / "killed") == digests[1]
+    yield f"| 6 workers, {len(killed)} of them killed | {time.monotonic() - begin:.1f} | | {'the same bytes' if same else 'OTHER BYTES'}; {named} of {len(broken)} broken logs named |"
+    yield f"\nEfficiency of 2 workers against 1, by wall time: {costs[1]['wall_s'] / costs[2]['wall_s'] / 2:.2f}."
+
+
+def recorded(work, data):
+    there = [data / name for name in RECORDED if (data / name).exists()]
+    if len(there) < len(RECORDED):
+        return
+    (work / "manifest.txt").write_text("".join(f"{path}\n" for path in there))
+    run(work / "manifest.txt", work / "out", 2)
+    base = sqlite3.connect(work / "out" / "fleet.sqlite")
+    yield "| log | scans | status | group |\n|---|---|---|---|"
+    for log, scans, status, group in base.execute('SELECT log, scans, status, "group" FROM logs ORDER BY number'):
+        yield f"| {pathlib.PurePath(log).name} | {scans} | {status} | {group} |"
+
+
+def index():
     """Stage 2 against the number of views: descriptors that are drawn around those of simulated places."""
-    print("\n| views | index, s | a query, ms | peak of one process, MB |\n|---|---|---|---|")
+    yield "| views | index, s | a query, ms | peak of one process, MB |\n|---|---|---|---|"
     for count in (10_000, 100_000, 1_000_000):
-        told = subprocess.run([sys.executable, __file__, "--index", str(count)], capture_output=True, text=True, check=True).stdout.split()
-        print(f"| {count:,} | {float(told[0]):.1f} | {float(told[1]):.2f} | {float(told[2]):.0f} |", flush=True)
+        told = subprocess.run([sys.executable, __file__, "--views", str(count)], capture_output=True, text=True, check=True).stdout.split()
+        yield f"| {count:,} | {float(told[0]):.1f} | {float(told[1]):.2f} | {float(told[2]):.0f} |"
 
 
 def index_once(count):
@@ -183,59 +163,51 @@ def index_once(count):
         alike.write_arrays(place, numbers, turning, np.arange(0, count + 1, 50, dtype=np.int64))
         built = time.process_time() - begin
         del numbers, turning
-        index = alike.read_index(place)
+        made = alike.read_index(place)
         begin = time.process_time()
         for log in range(10):
-            alike.alike_views(index, log * (count // 500))
+            alike.alike_views(made, log * (count // 500))
         asked = (time.process_time() - begin) / 500 * 1e3
         print(built, asked, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 
 
-def fleet_table(title, work, kinds, each, whole):
-    folder = work / "logs"
-    make_logs(folder, kinds, each)
-    paths = sorted(folder.glob("*.jsonl"))
-    (work / "manifest.txt").write_text("logs/*.jsonl\n")
-    print(f"\n{title}: {len(paths)} logs of {len(kinds)} worlds\n\n| what | |\n|---|---|", flush=True)
-    wall, cpu = run(work / "manifest.txt", work / "two", 2)
-    ours = stage_costs(work / "two")
-    joint = sum(json.loads(p.read_text())["cpu_s"] for p in (work / "two" / "groups").glob("*/cost.json"))
-    base = sqlite3.connect(work / "two" / "fleet.sqlite")
-    print(f"| in | {base.execute('SELECT count(*) FROM logs WHERE status != ?', ['broken']).fetchone()[0]} of {len(paths)} |")
-    print(f"| wall time with 2 workers; CPU of stage 1, of joint maps, of all else (stage 2, Python, Dask) | {wall:.0f} s; {ours:.0f}, {joint:.0f}, {cpu - ours - joint:.0f} s |")
-    groups = groups_table(paths, work / "two")
-    joint_table(folder, work / "two", groups)
-    if whole:
-        same_bytes_table(work, paths)
-
-
-def same_bytes_table(work, paths):
-    """Other numbers of workers, and workers that die, on a part of the logs."""
-    part = paths[:: max(1, len(paths) // 60)]
-    names = [f"logs/{p.name}" for p in part] + break_logs(work / "broken", part)
-    (work / "part.txt").write_text("\n".join(names) + "\n")
-    digests, walls = {}, {}
-    for workers in (1, 2, 4, 6):
-        walls[workers], _ = run(work / "part.txt", work / f"part{workers}", workers, "--no-times")
-        digests[workers] = results_digest(work / f"part{workers}")
-    same = len(set(digests.values())) == 1
-    print(f"| {len(names)} of the logs, {len(names) - len(part)} broken, with 1, 2, 4, 6 workers | {'the same bytes' if same else 'DIFFERENT BYTES'}; "
-          + ", ".join(f"{walls[w]:.0f} s" for w in walls) + f"; efficiency 1 to 2: {walls[1] / walls[2] / 2:.2f} |", flush=True)
-    killed_run(work, work / "part.txt", digests[2])
-    shutil.rmtree(work / "part6")
+def lines_of(part, flags, work):
+    kinds = ["flat", "office"] * (flags.worlds // 2)
+    if part == "simulated":
+        return simulated(work, kinds, flags.each)
+    if part == "buildings":
+        return simulated(work, ["building"] * max(1, flags.worlds // 10), flags.each)
+    if part == "workers":
+        return workers(work, kinds[:max(2, flags.worlds // 10)], flags.each)
+    return recorded(work, pathlib.Path(flags.data).resolve()) if part == "recorded" else index()
 
 
 def main():
-    if sys.argv[1] == "--index":
-        return index_once(int(sys.argv[2]))
-    worlds, each = int(sys.argv[1]), int(sys.argv[2])
-    with tempfile.TemporaryDirectory() as folder:
-        work = pathlib.Path(folder)
-        (work / "small").mkdir()
-        (work / "large").mkdir()
-        fleet_table("Flats and offices", work / "small", ["flat", "office"] * (worlds // 2), each, True)
-        fleet_table("Buildings", work / "large", ["building"] * max(1, worlds // 10), each, False)
-    index_table()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; all unless given")
+    parser.add_argument("--worlds", type=int, default=100)
+    parser.add_argument("--each", type=int, default=10, help="logs of a world")
+    parser.add_argument("--data", default=os.environ.get("PHASESCAN_DATA", "../shared/data"))
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/bench"))
+    parser.add_argument("--keep", type=pathlib.Path, help="a folder for logs and results; else they are removed")
+    parser.add_argument("--views", type=int, help=argparse.SUPPRESS)
+    flags = parser.parse_args()
+    if flags.views:
+        return index_once(flags.views)
+    if unknown := set(flags.parts) - set(PARTS):
+        parser.error(f"{', '.join(sorted(unknown))}: expected of {', '.join(PARTS)}")
+    flags.out.mkdir(parents=True, exist_ok=True)
+    for part in flags.parts or PARTS:
+        with tempfile.TemporaryDirectory() as folder:
+            work = (flags.keep or pathlib.Path(folder)) / part
+            work.mkdir(parents=True, exist_ok=True)
+            lines = []
+            for line in lines_of(part, flags, work):
+                print(line, flush=True)
+                lines.append(line)
+        if lines:
+            (flags.out / f"fleet-{part}.md").write_text("\n".join(lines) + "\n")
+        print(flush=True)
 
 
 if __name__ == "__main__":

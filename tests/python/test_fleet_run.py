@@ -52,6 +52,9 @@ def test_every_log_has_its_row_and_broken_ones_are_named(fleet):
     page = (place / "one" / "report.html").read_text()
     assert page.count("<tr>") == 1 + 8 + 2 + 1 - 1 or page.count("<td class='t'>broken/") == 3
     assert "dashboard at http" in told
+    cost = json.loads((place / "one" / "cost.json").read_text())
+    assert cost["workers"] == 1 and set(cost["cpu_s"]) == {"maps", "index", "places", "ties", "joint maps"}
+    assert cost["cpu_s"]["maps"] > 0.2 and 0.0 < cost["cpu_s"]["joint maps"] and sum(cost["cpu_s"].values()) < cost["wall_s"] * 2
 
 
 def test_logs_of_one_place_are_one_group_with_a_map(fleet):

@@ -28,7 +28,7 @@ def test_a_robot_is_found_and_followed(drive, known):
     assert len(found) > 20 and updates[-1].status == "ok" and bool(updates[-1])
     assert all(off(known, updates[k], drive.truth[40 + k]) < 0.1 for k in found)
     last = updates[-1]
-    assert last.covariance.shape == (3, 3) and last.hypotheses[0].T_map_base == last.T_map_base == last.pose
+    assert last.covariance.shape == (3, 3) and last.hypotheses[0].pose == last.hypotheses[0].T_map_base == last.T_map_base == last.pose
     assert 0.9 < last.confidence <= 1 and "ok at" in repr(last) and last.scan == 39
     localizer.initialize_globally()
     assert off(known, localizer.add(drive[80]), drive.truth[80]) < 0.2

@@ -36,6 +36,25 @@ def test_pictures():
     slam.add(before)
     assert phasescan.plot(slam.finish()).lines
     with pytest.raises(TypeError, match="reference="):
-        phasescan.plot(phasescan.match(before, now))
+        phasescan.plot(phasescan.match(before, now), scan=now)
     with pytest.raises(TypeError, match="got int"):
         phasescan.plot(3)
+
+
+def test_a_match_without_its_scans_is_drawn_as_poses():
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    match = phasescan.match(phasescan.Scan(look_around()), phasescan.Scan(look_around(0.2, 0.1, 1.0)))
+    axes = phasescan.plot(match)
+    where, scan = (arrows.get_offsets()[0] for arrows in axes.collections[:2])
+    assert np.allclose(where, 0.0) and np.allclose(scan, [match.pose.x, match.pose.y])
+    region = axes.lines[0].get_xydata() - [match.pose.x, match.pose.y]
+    assert np.allclose(np.einsum("ni,ij,nj->n", region, np.linalg.inv(match.covariance[:2, :2]), region), 5.991, rtol=1e-3)
+    low, high = axes.get_xlim()
+    assert low < 0.0 < high and low < match.pose.x < high
+    # A room that looks the same from its other end: the other pose is in the picture, and what is open is no wider than it can show.
+    both = np.full(360, 2.0)
+    symmetric = phasescan.match(both, both)
+    assert all(other.pose == other.T_ref_scan for other in symmetric.alternatives)
+    twins = phasescan.plot(symmetric)
+    assert len(twins.collections) >= 2 and np.isfinite(twins.lines[0].get_xydata()).all()

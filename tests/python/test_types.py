@@ -1,4 +1,6 @@
 """The type stubs: under mypy --strict, and against the module."""
+import ast
+import inspect
 import pathlib
 import subprocess
 import sys
@@ -38,3 +40,22 @@ def test_the_stubs_are_of_the_module(tmp_path):
                           env={"PYTHONPATH": str(folder.parent), "MYPYPATH": str(folder.parent), "PATH": "/usr/bin:/bin"})
     missing = [line for line in told.stdout.splitlines() if "is not present" in line]
     assert not missing, "\n".join(missing)
+
+
+def test_help_shows_the_arguments_that_the_stubs_have():
+    stubs = ast.parse((pathlib.Path(phasescan.__file__).parent / "_core.pyi").read_text())
+    functions = {item.name: item.args for item in stubs.body if isinstance(item, ast.FunctionDef)}
+    assert set(functions) == {"match", "match_many", "locate", "open_log", "live", "simulate", "evaluate"}
+    for name, args in functions.items():
+        shown = inspect.signature(getattr(phasescan, name)).parameters.values()
+        kinds = inspect.Parameter
+        assert [p.name for p in shown if p.kind == kinds.POSITIONAL_OR_KEYWORD] == [a.arg for a in args.args], name
+        assert [p.name for p in shown if p.kind == kinds.KEYWORD_ONLY] == [a.arg for a in args.kwonlyargs], name
+        assert [p.name for p in shown if p.kind == kinds.VAR_KEYWORD] == ([args.kwarg.arg] if args.kwarg else []), name
+        required = [p.name for p in shown if p.default is kinds.empty and p.kind != kinds.VAR_KEYWORD]
+        assert required == [a.arg for a in args.args[:len(args.args) - len(args.defaults)]], name
+    # As the contract has it.
+    match = inspect.signature(phasescan.match).parameters
+    assert (match["angle_min"].default, match["range_min"].default, match["range_max"].default, match["guess"].default, match["method"].default) == (
+        0.0, 0.0, None, None, "global")
+    assert "--" not in phasescan.match.__doc__.splitlines()[:3]

@@ -17,9 +17,11 @@ def plot(what: Scan | MatchResult | TrinaryMap | SlamResult, *, reference: Scan 
     Parameters
     ----------
     what : Scan, MatchResult, TrinaryMap or SlamResult
-        A match is drawn with its two scans, the scan laid onto the reference; a run as its map with the trajectory.
+        A match is drawn with its two scans, the scan laid onto the reference; without them as poses: where the reference
+        stood, where the scan did, with the region that holds 95 % of (x, y) by the covariance, and the alternatives. A run
+        is drawn as its map with the trajectory.
     reference, scan : Scan, optional
-        Of a match.
+        Of a match: both or none.
     ax : matplotlib.axes.Axes, optional
         Where to draw; a new figure unless given.
 
@@ -67,14 +69,34 @@ def _draw_scan(axes: Any, scan: Scan) -> None:
 
 
 def _draw_match(axes: Any, result: MatchResult, reference: Scan | None, scan: Scan | None) -> None:
-    if reference is None or scan is None:
-        raise TypeError("plot: a match is drawn with its scans; expected plot(match, reference=..., scan=...)")
-    before, now = reference.points(), result.pose.transform(scan.points())
-    axes.scatter(before[:, 0], before[:, 1], s=4, color=BEFORE, label="reference")
-    axes.scatter(now[:, 0], now[:, 1], s=4, color=NOW, label="scan, laid onto it")
+    if reference is not None and scan is not None:
+        before, now = reference.points(), result.pose.transform(scan.points())
+        axes.scatter(before[:, 0], before[:, 1], s=4, color=BEFORE, label="reference")
+        axes.scatter(now[:, 0], now[:, 1], s=4, color=NOW, label="scan, laid onto it")
+    elif reference is None and scan is None:
+        _draw_poses(axes, result)
+    else:
+        raise TypeError("plot: one scan of a match is missing; expected plot(match, reference=..., scan=...), or plot(match)")
     axes.legend()
     axes.set_title(f"{'usable' if result.usable else result.status}"
                    + (f", confidence {result.confidence:.3f}" if result.confidence is not None else ""))
+
+
+def _draw_poses(axes: Any, result: MatchResult) -> None:
+    """Where the sensors stood, in the reference's frame; arrows of a length that the picture has room for."""
+    poses = np.array([[0.0, 0.0, 0.0], [*result.pose], *([*other.pose] for other in result.alternatives)])
+    farthest = max(0.5, float(np.hypot(poses[:, 0], poses[:, 1]).max()))
+    for (x, y, theta), color, label in zip(poses, (BEFORE, NOW, *("0.6" for _ in result.alternatives)), ("reference", "scan", *(None for _ in result.alternatives))):
+        axes.quiver(x, y, 0.2 * farthest * np.cos(theta), 0.2 * farthest * np.sin(theta), color=color, label=label, angles="xy",
+                    scale_units="xy", scale=1.0, width=0.006)
+    # 5.991: what 95 % of the squared distances of two numbers are below. Wider than 100 m is not known at all.
+    values, vectors = np.linalg.eigh(np.asarray(result.covariance)[:2, :2])
+    half_axes = np.minimum(np.sqrt(5.991 * np.maximum(values, 0.0)), 100.0)
+    turn = np.linspace(0.0, 2.0 * np.pi, 100)
+    region = (vectors * half_axes) @ np.stack([np.cos(turn), np.sin(turn)])
+    axes.plot(result.pose.x + region[0], result.pose.y + region[1], color=NOW, linewidth=1.0)
+    axes.set_xlim(-1.4 * farthest, 1.4 * farthest)
+    axes.set_ylim(-1.4 * farthest, 1.4 * farthest)
 
 
 def _draw_map(axes: Any, grid: TrinaryMap) -> None:

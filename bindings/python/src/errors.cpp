@@ -54,7 +54,7 @@ void bind_errors(py::module_& module) {
   const py::object value_error = builtin("ValueError");
   classes = new Classes;
   classes->input = make_class(module, "InputError", py::make_tuple(value_error),
-                              "A file is not what it should be: \"FILE:LINE: what is wrong and what was expected\".\n\n"
+                              "A file is not what it should be: ``FILE:LINE: what is wrong and what was expected``.\n\n"
                               "Attributes\n----------\nfile : str\nline : int\n    0 where the file has no lines.\n"
                               "reason : str\n    The message without the place.");
   classes->system = make_class(module, "SystemError", py::make_tuple(builtin("OSError")),

@@ -99,7 +99,12 @@ py::dict evaluate(const py::object& trajectory, const py::object& reference, con
   return out;
 }
 
-constexpr const char* kEvaluateDoc = R"(Says how good a trajectory is, as `phasescan eval` does.
+constexpr const char* kEvaluateDoc =
+    R"(evaluate(trajectory, reference=None, *, relations=None, max_gap_s=None, align=True, delta=1.0, delta_unit='f',
+         T_base_laser=None)
+--
+
+Says how good a trajectory is, as `phasescan eval` does.
 
 Parameters
 ----------

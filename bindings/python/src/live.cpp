@@ -159,7 +159,11 @@ void bind_live_update(py::module_& module) {
   });
 }
 
-constexpr const char* kLiveDoc = R"(Poses of a plugged-in sensor as they come, its map growing beside.
+constexpr const char* kLiveDoc =
+    R"(live(port='auto', *, sensor='', raw='', demo=False, replay='', seed=1, options=None, **keywords)
+--
+
+Poses of a plugged-in sensor as they come, its map growing beside.
 
 Parameters
 ----------

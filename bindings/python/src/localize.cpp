@@ -76,8 +76,9 @@ LocalizationMap)");
 
 void bind_estimate(py::module_& module) {
   py::class_<PoseEstimate> type(module, "PoseEstimate", "A place where the robot may be.");
-  type.def_property_readonly(
-      "T_map_base", [](const PoseEstimate& e) { return e.T_map_base; }, "Pose2: [m, rad].");
+  const auto pose = [](const PoseEstimate& e) { return e.T_map_base; };
+  type.def_property_readonly("T_map_base", pose, "Pose2: Frame of the map [m, rad].");
+  type.def_property_readonly("pose", pose, "Pose2: T_map_base.");
   type.def_property_readonly(
       "covariance", [](const PoseEstimate& e) { return matrix_array(e.covariance); },
       "ndarray, shape (3, 3): [m^2, m rad, rad^2].");
@@ -197,7 +198,10 @@ void bind_localize(py::module_& module) {
       },
       py::arg("map"), py::arg("scan"), py::kw_only(), py::arg("T_base_laser") = py::none(),
       py::arg("options") = py::none(),
-      R"(Where the robot is, from one scan and the map alone.
+      R"(locate(map, scan, *, T_base_laser=None, options=None, **keywords)
+--
+
+Where the robot is, from one scan and the map alone.
 
 Parameters
 ----------

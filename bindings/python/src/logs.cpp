@@ -80,7 +80,13 @@ void bind_entry(py::module_& module) {
   });
 }
 
-constexpr const char* kOpenDoc = R"(Opens a log of any readable format.
+constexpr const char* kOpenDoc =
+    R"(open_log(path, *, topic='', frame='', columns='', stamp_unit='', fov_deg=None, angle_min_deg=None,
+         angle_increment_deg=None, clockwise=False, range_min=0.0, range_max=0.0, mask_deg=[], from_s=None,
+         to_s=None)
+--
+
+Opens a log of any readable format.
 
 Parameters
 ----------

@@ -227,7 +227,12 @@ options, **options
   });
 }
 
-constexpr const char* kMatchDoc = R"(Finds the pose of a scan in the frame of another, with no first guess.
+constexpr const char* kMatchDoc =
+    R"(match(reference, scan, *, angle_min=0.0, angle_increment=None, range_min=0.0, range_max=None,
+      guess=None, method='global', reference_twist=None, scan_twist=None, options=None, **keywords)
+--
+
+Finds the pose of a scan in the frame of another, with no first guess.
 
 Parameters
 ----------
@@ -260,7 +265,12 @@ Raises
 OptionError, ValueError
     For options that do not exist or are out of bounds. A hopeless scan is a status, never an exception.)";
 
-constexpr const char* kManyDoc = R"(Matches many scans against one reference.
+constexpr const char* kManyDoc =
+    R"(match_many(reference, scans, *, angle_min=0.0, angle_increment=None, range_min=0.0, range_max=None,
+           method='global', threads=1, options=None, **keywords)
+--
+
+Matches many scans against one reference.
 
 Parameters
 ----------

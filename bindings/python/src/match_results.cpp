@@ -30,8 +30,9 @@ py::dict times_of(const MatchResult& r) {
 
 void bind_result(py::module_& module) {
   py::class_<MatchAlternative> other(module, "MatchAlternative", "Another pose that explains the scans.");
-  other.def_property_readonly(
-      "T_ref_scan", [](const MatchAlternative& a) { return a.T_ref_scan; }, "Pose2.");
+  const auto other_pose = [](const MatchAlternative& a) { return a.T_ref_scan; };
+  other.def_property_readonly("T_ref_scan", other_pose, "Pose2: As of MatchResult [m, rad].");
+  other.def_property_readonly("pose", other_pose, "Pose2: T_ref_scan.");
   other.def_property_readonly(
       "confidence", [](const MatchAlternative& a) { return a.confidence; }, "float: 0..1.");
   other.def("__repr__", [](const MatchAlternative& a) {

@@ -77,7 +77,11 @@ void save(const SimulatedLog& log, const std::filesystem::path& path) {
   truth.commit();
 }
 
-constexpr const char* kSimulateDoc = R"(Simulates a drive of a robot with a lidar.
+constexpr const char* kSimulateDoc =
+    R"(simulate(world='flat', *, sensor='rplidar-a1', path='tour', seed=1, motion=True, **keywords)
+--
+
+Simulates a drive of a robot with a lidar.
 
 Parameters
 ----------

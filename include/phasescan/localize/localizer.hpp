@@ -25,8 +25,8 @@ class LocalizationMap {
 
   /// Poses on it are in the frame of the map: `map.origin` is applied, its heading too.
   /// @throws std::invalid_argument for a map without cells, with a resolution that is not above 0, an origin that is
-  /// not
-  ///         finite, without an occupied cell that borders on free ones, or without free space
+  ///         not finite, without an occupied cell that borders on free ones, or without free
+  ///         space
   /// @cost about 0.3 s and 10 MB for 1,000 m2
   static LocalizationMap from_grid(const TrinaryMap& map, const LocalizeOptions& options = {});
   /// The map of a run of SLAM as its graph stands. @throws as from_grid
@@ -63,10 +63,10 @@ struct LocalizationUpdate {
   Stamp stamp = 0;
   ScanId scan = 0;
   TrackingStatus status = TrackingStatus::kInitialising;
-  std::optional<Pose2> T_map_base;  ///< at the scan's stamp; empty where nothing is known
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
-  double confidence = 0.0;
-  std::vector<PoseEstimate> hypotheses;  ///< best first; the first one is the pose above
+  std::optional<Pose2> T_map_base;                           ///< at the scan's stamp; empty where nothing is known
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, theta), frame of the map
+  double confidence = 0.0;                                   ///< probability of being within 0.1 m and 3 deg
+  std::vector<PoseEstimate> hypotheses;                      ///< best first; the first one is the pose above
   MapFit fit;
   double margin = 0.0;    ///< of log-likelihood, by which the pose is ahead of the next one
   bool searched = false;  ///< the whole map was searched for this scan

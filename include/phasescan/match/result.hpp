@@ -64,7 +64,7 @@ struct MatchResult {
       false;  ///< may be acted on: confidence above match.min_confidence, or the method's own convergence test
   bool ambiguous = false;  ///< another pose explains the scans as well; `usable` is then false
   Eigen::Matrix3d covariance =
-      Eigen::Matrix3d::Identity() * 1e6;  ///< of (x, y, theta) in the reference frame, capped at 1e6
+      Eigen::Matrix3d::Identity() * 1e6;  ///< of (x, y, theta), reference frame [m^2, m rad, rad^2], at most 1e6
   std::optional<double>
       confidence;        ///< probability of being within 0.1 m and 3 deg; empty for methods without calibration
   double overlap = 0.0;  ///< share of the scan's hits that found a partner, 0..1

@@ -28,7 +28,7 @@ struct ScanUpdate {
   TrackingStatus status = TrackingStatus::kInitialising;
   bool repeated = false;  ///< the same message as the one before: it has that one's pose and counts for nothing else
   Pose2 T_odom_base;      ///< at the scan's stamp; continuous, drifts
-  Eigen::Matrix3d odom_covariance = Eigen::Matrix3d::Zero();  ///< of T_odom_base, since the start
+  Eigen::Matrix3d odom_covariance = Eigen::Matrix3d::Zero();  ///< of T_odom_base, since the start [m^2, m rad, rad^2]
   Pose2 T_map_odom;               ///< correction by the map; changes when a result of loops and graph enters
   std::uint64_t map_version = 0;  ///< counts those results
   std::optional<Eigen::Matrix3d> map_covariance;  ///< of T_map_base(); empty before the first result

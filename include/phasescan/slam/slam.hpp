@@ -83,7 +83,7 @@ class SlamState {
   std::shared_ptr<const Data> data_;
 };
 
-/// Tracks, closes loops and keeps the map's poses straight.
+/// Tracks, closes loops and keeps the map's poses straight. One object per thread. @cost docs/results/slam.md
 class Slam {
  public:
   /// @param executor  runs loops and graph beside `add`; null: they run inside it. It must outlive this object.

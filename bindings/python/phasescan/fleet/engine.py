@@ -2,8 +2,11 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import logging
+import os
 import sys
+import time
 from typing import Any, Callable, Iterator, Sequence, TypeVar
 
 import dask
@@ -16,11 +19,13 @@ MOST_DEATHS = 20  # of workers under one task, until that task is taken for what
 
 
 class Engine:
-    """A client of a scheduler, with its tasks' progress on standard error."""
+    """A client of a scheduler, with its tasks' progress on standard error, and what they took."""
 
     def __init__(self, client: distributed.Client, say: Callable[[str], None]) -> None:
         self.client = client
         self.say = say
+        self.begin = time.monotonic()
+        self.cpu_s: dict[str, float] = {}  # of the tasks of each name, and of the programs that they ran [s]
 
     @property
     def workers(self) -> int:
@@ -30,13 +35,33 @@ class Engine:
 
     def map(self, name: str, work: Callable[[Item], Outcome], items: Sequence[Item]) -> list[Outcome]:
         """``work`` of each item, wherever there is a worker; the results in the order of the items."""
-        futures = [self.client.submit(work, item, pure=False, retries=MOST_DEATHS, key=f"{name}-{k}-{id(self)}") for k, item in enumerate(items)]
+        futures = [self.client.submit(functools.partial(_counted, work), item, pure=False, retries=MOST_DEATHS, key=f"{name}-{k}-{id(self)}") for k, item in enumerate(items)]
         done = 0
         for _ in distributed.as_completed(futures):
             done += 1
             self.say(f"{name}: {done} of {len(futures)} tasks")
-        results: list[Outcome] = self.client.gather(futures)
-        return results
+        counted: list[tuple[Outcome, float]] = self.client.gather(futures)
+        self.count(name, sum(cpu for _, cpu in counted))
+        return [outcome for outcome, _ in counted]
+
+    def count(self, name: str, cpu_s: float) -> None:
+        """Adds CPU time to what stands under a name."""
+        self.cpu_s[name] = self.cpu_s.get(name, 0.0) + cpu_s
+
+    def cost(self) -> dict[str, Any]:
+        """What it took so far: CPU time by name, wall time, workers."""
+        return {"wall_s": round(time.monotonic() - self.begin, 3), "workers": self.workers,
+                "cpu_s": {name: round(cpu, 3) for name, cpu in self.cpu_s.items()}}
+
+
+def cpu_time() -> float:
+    """CPU time of this thread and of the programs that this process ran to their end [s]."""
+    return time.thread_time() + sum(os.times()[2:4])
+
+
+def _counted(work: Callable[[Item], Outcome], item: Item) -> tuple[Outcome, float]:
+    begin = cpu_time()
+    return work(item), cpu_time() - begin
 
 
 @contextlib.contextmanager
@@ -49,7 +74,10 @@ def open_engine(scheduler: str | None, workers: int, say: Callable[[str], None])
         No scheduler answers at that address.
     """
     dask.config.set({"distributed.scheduler.allowed-failures": MOST_DEATHS, "distributed.comm.timeouts.connect": "20s",
-                     "distributed.worker.daemon": True, "distributed.admin.tick.limit": "60s"})
+                     "distributed.worker.daemon": True, "distributed.admin.tick.limit": "60s",
+                     # What looks at its own processes 2 to 100 times a second, and takes a share of the cores that grows with the time a run takes.
+                     "distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "1s",
+                     "distributed.admin.system-monitor.interval": "5s"})
     logging.getLogger("distributed").setLevel(logging.ERROR)
     if scheduler:
         with distributed.Client(scheduler) as client:

@@ -10,7 +10,7 @@ from typing import Any, Sequence
 import numpy as np
 
 from .alike import alike_views, read_index, write_index
-from .engine import Engine, in_chunks
+from .engine import Engine, cpu_time, in_chunks
 from .files import digest, read_json, write_json, write_text
 from .groups import Grouping, group_logs
 from .joint import Group, groups_file, map_group
@@ -37,6 +37,7 @@ def run_fleet(logs: Sequence[Log], settings: Settings, engine: Engine, times: bo
     errors = [f"{group.folder}: {result['error']}" for group, result in zip(groups, mapped) if result["error"]]
     errors += [f"the tie of {logs[t.a].name} and {logs[t.b].name} contradicts others and was left out" for t in grouping.contradicted]
     write_results(logs, rows, ties, grouping, mapped, errors, settings, times)
+    write_json(pathlib.Path(settings.out) / "cost.json", engine.cost())
     return rows, errors
 
 
@@ -80,8 +81,9 @@ def find_ties(logs: Sequence[Log], rows: Sequence[dict[str, Any]], settings: Set
         return [Tie(t["a"], t["b"], (t["T_a_b"][0], t["T_a_b"][1], t["T_a_b"][2]), t["witnesses"], t["checked"]) for t in done["ties"]]
     placed = [k for k, row in enumerate(rows) if row["status"] != "broken"]  # places in the index are numbers of this list
     folders = [str(settings.place(logs[k])) for k in placed]
-    index = pathlib.Path(settings.out) / "index"
+    index, begin = pathlib.Path(settings.out) / "index", cpu_time()
     views = write_index(index, [load_views(folder) for folder in folders])
+    engine.count("index", cpu_time() - begin)
     engine.say(f"{views} views of {len(placed)} logs in one index")
     queries = in_chunks(range(len(placed)), [SECONDS_A_QUERY] * len(placed), engine.workers)
     found = engine.map("places", functools.partial(_query_chunk, folders=folders, index=str(index)), queries)
