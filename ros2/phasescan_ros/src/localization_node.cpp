@@ -26,15 +26,20 @@ class LocalizationNode : public rclcpp_lifecycle::LifecycleNode {
         subscriptions_(*this, core::Role::kLocalization),
         core_(setup(), finders_, publishers_) {
     finders_.add_parameters(core_.parameters());
-    declare_parameters(*this, core_.parameters());
+    declare_entries(*this, core_.parameters());
     on_set_ = add_on_set_parameters_callback([this](const std::vector<rclcpp::Parameter>& parameters) {
-      return set_parameters(
+      return set_entries(
           parameters,
           [this](const std::string& name, const core::ParameterValue& value) {
             return core_.set_parameter(name, value, now_of(*this));
           },
           core_.parameters());
     });
+  }
+
+  /// Ctrl-C ends a node without a change of its state; the pose is saved all the same.
+  ~LocalizationNode() override {
+    core_.deactivate(now_of(*this));
   }
 
   CallbackReturn on_configure(const rclcpp_lifecycle::State&) override {

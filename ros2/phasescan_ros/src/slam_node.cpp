@@ -32,15 +32,20 @@ class SlamNode : public rclcpp_lifecycle::LifecycleNode {
         publishers_(*this, core::Role::kSlam),
         subscriptions_(*this, core::Role::kSlam),
         core_(setup(), publishers_, &backend_, &drawing_) {
-    declare_parameters(*this, core_.parameters());
+    declare_entries(*this, core_.parameters());
     on_set_ = add_on_set_parameters_callback([this](const std::vector<rclcpp::Parameter>& parameters) {
-      return set_parameters(
+      return set_entries(
           parameters,
           [this](const std::string& name, const core::ParameterValue& value) {
             return core_.set_parameter(name, value, now_of(*this));
           },
           core_.parameters());
     });
+  }
+
+  /// Ctrl-C ends a node without a change of its state; what was mapped is saved all the same.
+  ~SlamNode() override {
+    core_.deactivate(now_of(*this));
   }
 
   CallbackReturn on_configure(const rclcpp_lifecycle::State&) override {
