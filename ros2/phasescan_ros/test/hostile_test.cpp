@@ -17,6 +17,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 struct Node {
   std::string name, executable;
+  friend void PrintTo(const Node& node, std::ostream* out) { *out << node.name; }
 };
 
 class Hostile : public ::testing::TestWithParam<Node> {
@@ -24,13 +25,13 @@ class Hostile : public ::testing::TestWithParam<Node> {
   void SetUp() override {
     tester = std::make_unique<Tester>(GetParam().name);
     reports = tester->listen<DiagnosticArray>("/diagnostics", 100);
-    maps = tester->node().create_publisher<OccupancyGrid>("map_of_server", latched());
+    maps = std::make_unique<Voice<OccupancyGrid>>(tester->node(), "map_of_server", latched());
     maps->publish(map_of_rooms());
     const bool localizes = GetParam().name == "amcl";
-    process = std::make_unique<NodeProcess>(
-        GetParam().executable, GetParam().name,
-        localizes ? std::map<std::string, std::string>{{"map_topic", "map_of_server"}}
-                  : std::map<std::string, std::string>{});
+    process =
+        std::make_unique<NodeProcess>(GetParam().executable, GetParam().name,
+                                      localizes ? std::map<std::string, std::string>{{"map_topic", "map_of_server"}}
+                                                : std::map<std::string, std::string>{});
     ASSERT_TRUE(tester->bring_up());
     robot = std::make_unique<Robot>(*tester, true);
   }
@@ -56,13 +57,13 @@ class Hostile : public ::testing::TestWithParam<Node> {
     tester->pass(0.05);
   }
   void expect_named(const std::string& kind) {
-    EXPECT_TRUE(tester->wait([&] { return named(*reports, kind); }, 5.0)) << kind;
+    EXPECT_TRUE(tester->wait([&] { return named(*reports, kind); }, 15.0)) << kind;
     EXPECT_TRUE(process->alive()) << kind;
   }
 
   std::unique_ptr<Tester> tester;
   std::shared_ptr<Heard<DiagnosticArray>> reports;
-  rclcpp::Publisher<OccupancyGrid>::SharedPtr maps;
+  std::unique_ptr<Voice<OccupancyGrid>> maps;
   std::unique_ptr<NodeProcess> process;
   std::unique_ptr<Robot> robot;
   std::size_t at = 0;
@@ -81,7 +82,7 @@ TEST_P(Hostile, ScansBeforeTransformsThenGapsInThem) {
     tester->pass(0.03);
   }
   drive(20);
-  expect_named("odometry_missing");
+  expect_named("transform_gap");
 }
 
 TEST_P(Hostile, TheClockJumpsBack) {
@@ -118,7 +119,7 @@ TEST_P(Hostile, ScansThatAreNone) {
   say([](LaserScan& scan) { scan.header.frame_id.clear(); });
   say([](LaserScan& scan) { scan.time_increment = 1e30F; });
   say([](LaserScan& scan) { scan.intensities.assign(7, kNan); });
-  say([](LaserScan& scan) { scan.ranges.assign(200'000, 1.0F); });
+  say([](LaserScan& scan) { scan.ranges.assign(20'000, 1.0F); });
   drive(20);
   for (const char* kind : {"no_beams", "no_returns", "beams_changed", "bad_scan"}) expect_named(kind);
 }

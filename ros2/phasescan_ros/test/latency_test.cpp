@@ -16,38 +16,42 @@ using Clock = std::chrono::steady_clock;
 /// Prints median, 99th percentile and CPU; those of a machine that does other things too say little.
 class Latency : public ::testing::Test {
  protected:
+  /// Whether map -> odom of this stamp was heard.
+  static bool says(const Heard<TFMessage>& tf, phasescan::Stamp stamp) {
+    for (const TFMessage& message : tf.messages) {
+      for (const auto& t : message.transforms) {
+        if (t.child_frame_id == "odom" && to_stamp(t.header.stamp) == stamp) return true;
+      }
+    }
+    return false;
+  }
   void run(const std::string& executable, const std::string& name, double after_s) {
     constexpr std::size_t kScans = 300;
     Tester tester(name);
-    const auto maps = tester.node().create_publisher<OccupancyGrid>("map_of_server", latched());
-    maps->publish(map_of_rooms());
+    Voice<OccupancyGrid> maps(tester.node(), "map_of_server", latched());
+    maps.publish(map_of_rooms());
     std::map<std::string, std::string> parameters;
     if (name == "amcl") parameters["map_topic"] = "map_of_server";
     NodeProcess process(executable, name, parameters);
     ASSERT_TRUE(tester.bring_up());
     Robot robot(tester, true, 720);
-    phasescan::Stamp awaited = 0;
-    bool heard = false;
-    const auto tf = tester.node().create_subscription<TFMessage>(
-        "/tf", 1000, [&](std::shared_ptr<const TFMessage> message) {
-          for (const auto& t : message->transforms)
-            heard = heard || (t.child_frame_id == "odom" && to_stamp(t.header.stamp) == awaited);
-        });
+    const auto tf = tester.listen<TFMessage>("/tf", 1000);
     robot.stand_up();
     std::vector<double> latencies_ms;
     const double cpu_s = process.cpu_s();
     const auto begun = Clock::now();
     for (std::size_t i = 0; i < kScans; ++i) {
       const phasescan::Stamp stamp = Robot::stamp(0.1 * static_cast<double>(i));
-      awaited = stamp + static_cast<phasescan::Stamp>(std::llround(after_s * 1e9));
-      heard = false;
+      const phasescan::Stamp awaited = stamp + static_cast<phasescan::Stamp>(std::llround(after_s * 1e9));
+      tf->messages.clear();
       const LaserScan scan = robot.scan(i, stamp);
       robot.publish(tf_message(stamp, "odom", "base_footprint", robot.wheel_pose(i)));
       const auto said = Clock::now();
       robot.publish(scan);
-      if (tester.wait([&] { return heard; }, 0.09))
+      if (tester.wait([&] { return says(*tf, awaited); }, 0.09))
         latencies_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - said).count());
-      tester.pass(std::chrono::duration<double>(begun + (i + 1) * std::chrono::milliseconds(100) - Clock::now()).count());
+      tester.pass(
+          std::chrono::duration<double>(begun + (i + 1) * std::chrono::milliseconds(100) - Clock::now()).count());
     }
     const double took_s = std::chrono::duration<double>(Clock::now() - begun).count();
     std::sort(latencies_ms.begin(), latencies_ms.end());

@@ -51,20 +51,21 @@ class Robot {
       : tester_(tester),
         wheels_(wheels),
         beams_(beams),
-        scans_(tester.node().create_publisher<LaserScan>("scan", rclcpp::SensorDataQoS())),
-        tf_(tester.node().create_publisher<TFMessage>("/tf", rclcpp::QoS(100))),
-        tf_static_(tester.node().create_publisher<TFMessage>("/tf_static", latched())) {}
+        scans_(tester.node(), "scan", rclcpp::SensorDataQoS()),
+        tf_(tester.node(), "/tf", rclcpp::QoS(100)),
+        tf_static_(tester.node(), "/tf_static", latched()) {}
 
   /// The mounting of the laser, and nothing moves before the node hears it.
   void stand_up() {
-    tf_static_->publish(tf_message(0, "base_footprint", "laser", T_base_laser));
-    EXPECT_TRUE(tester_.wait([&] {
-      return scans_->get_subscription_count() > 0 && tf_->get_subscription_count() > 0 &&
-             tf_static_->get_subscription_count() > 0;
-    }));
+    tf_static_.publish(tf_message(0, "base_footprint", "laser", T_base_laser));
+    EXPECT_TRUE(tester_.wait([&] { return scans_.hearers() > 0 && tf_.hearers() > 0 && tf_static_.hearers() > 0; }));
     tester_.pass(0.5);  // that the other side has met us too
   }
   Pose2 pose(std::size_t i) const { return tour_[i % tour_.size()]; }
+  /// Where it was at a stamp of the first drive.
+  Pose2 pose_at(phasescan::Stamp when) const {
+    return pose(static_cast<std::size_t>(std::llround(static_cast<double>(when - stamp(0.0)) * 1e-8)));
+  }
   /// Wheels that count 3 % too much, from a start of their own.
   Pose2 wheel_pose(std::size_t i) const { return Pose2{5, 5, 1} * Pose2{1.03 * pose(i).x, pose(i).y, pose(i).theta}; }
   static phasescan::Stamp stamp(double seconds) {
@@ -73,8 +74,8 @@ class Robot {
   LaserScan scan(std::size_t i, phasescan::Stamp stamp) {
     phasescan::testing::ToyLidar lidar;
     lidar.beams = beams_;
-    const phasescan::Scan seen = phasescan::testing::toy_scan(phasescan::testing::two_rooms(), pose(i) * T_base_laser,
-                                                              lidar, random_, stamp);
+    const phasescan::Scan seen =
+        phasescan::testing::toy_scan(phasescan::testing::two_rooms(), pose(i) * T_base_laser, lidar, random_, stamp);
     LaserScan out;
     out.header.stamp = to_time(stamp);
     out.header.frame_id = "laser";
@@ -87,8 +88,8 @@ class Robot {
                                           : std::numeric_limits<float>::infinity());
     return out;
   }
-  void publish(const LaserScan& scan) { scans_->publish(scan); }
-  void publish(const TFMessage& message) { tf_->publish(message); }
+  void publish(const LaserScan& scan) { scans_.publish(scan); }
+  void publish(const TFMessage& message) { tf_.publish(message); }
 
   /// Place `i` of the tour at a time of its own: what wheels and laser say.
   void step(std::size_t i, phasescan::Stamp stamp) {
@@ -115,8 +116,8 @@ class Robot {
   Tester& tester_;
   bool wheels_;
   int beams_;
-  rclcpp::Publisher<LaserScan>::SharedPtr scans_;
-  rclcpp::Publisher<TFMessage>::SharedPtr tf_, tf_static_;
+  Voice<LaserScan> scans_;
+  Voice<TFMessage> tf_, tf_static_;
   std::vector<Pose2> tour_ = phasescan::testing::toy_tour(0.1, 0.5, 0.8);
   phasescan::Random random_{11};
 };

@@ -8,22 +8,42 @@
 #include <functional>
 #include <lifecycle_msgs/msg/transition.hpp>
 #include <lifecycle_msgs/srv/change_state.hpp>
+#include <lifecycle_msgs/srv/get_state.hpp>
 #include <memory>
 #include <rcl_interfaces/srv/set_parameters.hpp>
 #include <rclcpp/rclcpp.hpp>
+#include <rclcpp/serialization.hpp>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "distributions.hpp"
 
 namespace phasescan_ros::test {
 
 using Transition = lifecycle_msgs::msg::Transition;
 
-/// What a topic said.
+/// What a topic said. By way of bytes, as rclcpp's own templates take minutes to compile for each type.
 template <class M>
 struct Heard {
   std::vector<M> messages;
-  typename rclcpp::Subscription<M>::SharedPtr subscription;
+  rclcpp::GenericSubscription::SharedPtr subscription;
+};
+
+template <class M>
+class Voice {
+ public:
+  Voice(rclcpp::Node& node, const std::string& topic, const rclcpp::QoS& qos)
+      : publisher_(bytes_publisher(node, topic, rosidl_generator_traits::name<M>(), qos)) {}
+  void publish(const M& message) {
+    rclcpp::SerializedMessage bytes;
+    rclcpp::Serialization<M>().serialize_message(&message, &bytes);
+    publisher_->publish(bytes);
+  }
+  std::size_t hearers() const { return publisher_->get_subscription_count(); }
+
+ private:
+  rclcpp::GenericPublisher::SharedPtr publisher_;
 };
 
 inline rclcpp::QoS latched() {
@@ -54,14 +74,19 @@ class Tester {
   template <class M>
   std::shared_ptr<Heard<M>> listen(const std::string& topic, const rclcpp::QoS& qos) {
     auto heard = std::make_shared<Heard<M>>();
-    heard->subscription = node_->create_subscription<M>(
-        topic, qos, [to = heard.get()](std::shared_ptr<const M> message) { to->messages.push_back(*message); });
+    heard->subscription =
+        bytes_subscription(*node_, topic, rosidl_generator_traits::name<M>(), qos,
+                           [to = heard.get()](const rclcpp::SerializedMessage& bytes) {
+                             to->messages.emplace_back();
+                             rclcpp::Serialization<M>().deserialize_message(&bytes, &to->messages.back());
+                           });
     return heard;
   }
 
   /// Null where there was no answer.
   template <class S>
-  std::shared_ptr<typename S::Response> call(const std::string& name, typename S::Request request = typename S::Request()) {
+  std::shared_ptr<typename S::Response> call(const std::string& name,
+                                             typename S::Request request = typename S::Request()) {
     const auto client = node_->create_client<S>(name);
     if (!wait([&] { return client->service_is_ready(); })) return nullptr;
     auto future = client->async_send_request(std::make_shared<typename S::Request>(std::move(request)));
@@ -69,6 +94,17 @@ class Tester {
     return future.get();
   }
 
+  /// That it answers: services of a process that was killed are known for a while still, and take requests in vain.
+  bool meet() {
+    using GetState = lifecycle_msgs::srv::GetState;
+    const auto client = node_->create_client<GetState>(of_ + "/get_state");
+    bool answered = false;
+    for (int i = 0; i < 200 && !answered; ++i) {
+      auto future = client->async_send_request(std::make_shared<GetState::Request>());
+      answered = wait([&] { return future.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }, 0.1);
+    }
+    return answered;
+  }
   bool change_state(std::uint8_t transition) {
     lifecycle_msgs::srv::ChangeState::Request request;
     request.transition.id = transition;
@@ -76,7 +112,7 @@ class Tester {
     return response && response->success;
   }
   bool bring_up() {
-    return change_state(Transition::TRANSITION_CONFIGURE) && change_state(Transition::TRANSITION_ACTIVATE);
+    return meet() && change_state(Transition::TRANSITION_CONFIGURE) && change_state(Transition::TRANSITION_ACTIVATE);
   }
 
   /// Empty: taken; else why not.
