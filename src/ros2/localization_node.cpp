@@ -55,7 +55,7 @@ void LocalizationNode::begin_at_options() {
     initial_pose_ = InitialPose{{options.initial_x, options.initial_y, options.initial_yaw}, kUnsaid};
 }
 
-void LocalizationNode::activate(Stamp) {
+void LocalizationNode::activate() {
   if (lifecycle_ != Lifecycle::kInactive) return;
   begin_at_options();
   lifecycle_ = Lifecycle::kActive;

@@ -31,7 +31,7 @@ class LocalizationNode {
 
   Lifecycle lifecycle() const { return lifecycle_; }
   Answer configure(Stamp now);
-  void activate(Stamp now);
+  void activate();
   void deactivate(Stamp now);  ///< saves the pose
   void cleanup();
 

@@ -38,7 +38,7 @@ struct SlamNodeOptions {
       OptionInfo{"m", "farther returns are out of range; 0: as the sensor says", 0, 1000});
     v("throttle_scans", self.throttle_scans, OptionInfo{"", "only each so-manieth scan is used", 1, 1000});
     v("transform_publish_period", self.transform_publish_period,
-      OptionInfo{"s", "time between transforms map -> odom; 0: none are published", 0, 10});
+      OptionInfo{"s", "most time between transforms map -> odom; 0: none are published", 0, 10});
     v("transform_timeout", self.transform_timeout,
       OptionInfo{"s", "map -> odom is stamped so long after the last scan", 0, 10});
     v("map_update_interval", self.map_update_interval,

@@ -133,8 +133,17 @@ void SlamNode::publish(const ScanUpdate& update, const std::optional<Pose2>& T_o
     told_.note(Trouble::kLost, now, "a scan that fits nothing seen before; the pose is a prediction");
   const std::string status = to_string(update.status);
   if (status != last_status_) outputs_.status({last_status_ = status});
+  publish_transform(now);
   if (due(last_map_, update.stamp, setup_.node.map_update_interval)) publish_map(update.stamp);
   tick(now);
+}
+
+void SlamNode::publish_transform(Stamp now) {
+  if (setup_.node.transform_publish_period <= 0.0) return;
+  const auto transform = map_to_odom_.transform(setup_.node.transform_timeout);
+  if (!transform) return;
+  outputs_.transforms({{*transform}});
+  last_transform_ = now;
 }
 
 void SlamNode::publish_own_odometry(const ScanUpdate& update) {
@@ -179,13 +188,7 @@ std::optional<OccupancyGrid> SlamNode::dynamic_map() {
 
 void SlamNode::tick(Stamp now) {
   if (lifecycle_ != Lifecycle::kActive) return;
-  const double period_s = setup_.node.transform_publish_period;
-  if (period_s > 0.0 && due(last_transform_, now, period_s)) {
-    if (const auto transform = map_to_odom_.transform(setup_.node.transform_timeout)) {
-      outputs_.transforms({{*transform}});
-      last_transform_ = now;
-    }
-  }
+  if (due(last_transform_, now, setup_.node.transform_publish_period)) publish_transform(now);
   if (!due(last_diagnostics_, now, kDiagnosticsPeriod_s)) return;
   if (due(last_heard_, now, kNoScans_s) && !paused_) {
     told_.note(

@@ -66,6 +66,8 @@ class SlamNode {
   void work(Stamp now);
   void add(ReadyScan&& scan, Stamp now);
   void publish(const ScanUpdate& update, const std::optional<Pose2>& T_odom_base, Stamp now);
+  /// map -> odom: with every scan, and by time between them.
+  void publish_transform(Stamp now);
   void publish_own_odometry(const ScanUpdate& update);
   void publish_map(Stamp stamp);
   void save_when_due(Stamp stamp, Stamp now);

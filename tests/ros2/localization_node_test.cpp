@@ -61,7 +61,7 @@ class Node : public ::testing::Test {
     ASSERT_TRUE(node->configure(at(0)).done);
     node->on_transforms(tf_message(0, "base_footprint", "laser", {}), true, at(0));
     if (with_map) node->on_map(grid(), at(0));
-    node->activate(at(0));
+    node->activate();
   }
   void answer(TrackingStatus status, const Pose2& pose) {
     factory.script.answer = {status, pose, 0.01 * Eigen::Matrix3d::Identity(), 0.99, {{pose, 0.99}, {{1, 1, 1}, 0.01}}};
@@ -119,13 +119,13 @@ TEST_F(Node, AnInitialPoseBeforeActivationIsAppliedThen) {
   ASSERT_TRUE(node->configure(at(0)).done);
   node->on_map(grid(), at(0));
   EXPECT_TRUE(factory.script.begun_at.empty());
-  node->activate(at(0));
+  node->activate();
   ASSERT_EQ(factory.script.begun_at.size(), 1U);
   EXPECT_NEAR(factory.script.begun_at[0].x, 3.0, 1e-12);
   EXPECT_NEAR(factory.script.begun_with[0](0, 0), 0.25, 1e-12);
   // And once only.
   node->deactivate(at(1));
-  node->activate(at(1));
+  node->activate();
   EXPECT_EQ(factory.script.begun_at.size(), 1U);
 }
 
@@ -151,11 +151,11 @@ TEST_F(Node, TheInitialPoseOfTheParameters) {
   ASSERT_EQ(factory.script.begun_at.size(), 1U);
   EXPECT_EQ(factory.script.begun_at[0].x, 7.0);
   node->deactivate(at(1));
-  node->activate(at(1));
+  node->activate();
   EXPECT_EQ(factory.script.begun_at.size(), 1U);
   ASSERT_TRUE(node->set_parameter("always_reset_initial_pose", true, at(1)).done);
   node->deactivate(at(2));
-  node->activate(at(2));
+  node->activate();
   EXPECT_EQ(factory.script.begun_at.size(), 2U);
 }
 

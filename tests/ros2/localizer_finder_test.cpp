@@ -41,7 +41,7 @@ class Loopback : public ::testing::Test {
     finders.add_parameters(node->parameters());
     ASSERT_TRUE(node->configure(at(0)).done);
     node->on_map(mapped_rooms(), at(0));
-    node->activate(at(0));
+    node->activate();
     ASSERT_EQ(node->diagnostics().count(Trouble::kBadMap), 0U) << node->diagnostics().what(Trouble::kBadMap);
   }
   /// Drives on along the tour; wheels count 6 % too much and turn 4 % too little.

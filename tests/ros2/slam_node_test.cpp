@@ -101,6 +101,20 @@ TEST(SlamNodeTest, WithWheelsItPublishesMapToOdomAlone) {
   EXPECT_LT(error_m(pose_of(odoms.back()) * robot.wheel_pose(149), robot.pose(149)), 0.12);
 }
 
+TEST(SlamNodeTest, EveryScanBringsItsMapToOdomAtOnce) {
+  KeptOutputs out;
+  SlamNode node(setup(), out);
+  ASSERT_TRUE(node.configure(at(0)).done);
+  node.activate();
+  Robot robot(node, true);
+  robot.drive(0, 20);
+  for (std::size_t i = 20; i < 30; ++i) {
+    node.tick(at(0.1 * static_cast<double>(i) - 0.01));  // by time it has just been published
+    robot.drive(i, i + 1);
+    EXPECT_EQ(out.of("odom").back().header.stamp, at(0.1 * static_cast<double>(i)) + stamp_from_seconds(0.2));
+  }
+}
+
 TEST(SlamNodeTest, TheSameMessagesGiveTheSameBytes) {
   std::vector<std::uint8_t> bytes[2];
   for (auto& run : bytes) {

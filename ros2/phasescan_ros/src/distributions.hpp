@@ -37,15 +37,14 @@ class Bond {
 };
 
 /// A publisher of messages that are bytes already. Its type is looked for at run time.
-inline rclcpp::GenericPublisher::SharedPtr bytes_publisher(rclcpp_lifecycle::LifecycleNode& node,
-                                                           const std::string& topic, const std::string& type,
-                                                           const rclcpp::QoS& qos) {
+template <class Node>
+rclcpp::GenericPublisher::SharedPtr bytes_publisher(Node& node, const std::string& topic, const std::string& type,
+                                                    const rclcpp::QoS& qos) {
   return rclcpp::create_generic_publisher(node.get_node_topics_interface(), topic, type, qos);
 }
 
-template <class Callback>
-rclcpp::GenericSubscription::SharedPtr bytes_subscription(rclcpp_lifecycle::LifecycleNode& node,
-                                                          const std::string& topic, const std::string& type,
+template <class Node, class Callback>
+rclcpp::GenericSubscription::SharedPtr bytes_subscription(Node& node, const std::string& topic, const std::string& type,
                                                           const rclcpp::QoS& qos, Callback callback) {
 #if RCLCPP_VERSION_GTE(28, 0, 0)
   // From jazzy on any callback that a subscription takes.

@@ -39,7 +39,7 @@ rclcpp::ParameterValue to_ros(const core::ParameterValue& value) {
   return std::visit([](const auto& given) { return rclcpp::ParameterValue(given); }, value);
 }
 
-void declare_parameters(rclcpp_lifecycle::LifecycleNode& node, core::ParameterTable& table) {
+void declare_entries(rclcpp_lifecycle::LifecycleNode& node, core::ParameterTable& table) {
   for (const core::Parameter& entry : table.entries()) {
     rcl_interfaces::msg::ParameterDescriptor descriptor;
     descriptor.name = entry.name;
@@ -54,7 +54,7 @@ void declare_parameters(rclcpp_lifecycle::LifecycleNode& node, core::ParameterTa
   }
 }
 
-rcl_interfaces::msg::SetParametersResult set_parameters(
+rcl_interfaces::msg::SetParametersResult set_entries(
     const std::vector<rclcpp::Parameter>& parameters,
     const std::function<core::Answer(const std::string&, const core::ParameterValue&)>& set,
     const core::ParameterTable& table) {
@@ -101,7 +101,12 @@ void Publishers::publish_bytes(rclcpp::GenericPublisher& publisher, const std::v
   rcl_serialized_message_t& raw = message.get_rcl_serialized_message();
   std::memcpy(raw.buffer, bytes.data(), bytes.size());
   raw.buffer_length = bytes.size();
-  publisher.publish(message);
+  try {
+    publisher.publish(message);
+  } catch (const std::exception& error) {
+    // At the end of a process the thread that draws may still be at a map, and nobody can be told any more.
+    if (rclcpp::ok()) RCLCPP_ERROR(node_.get_logger(), "%s: %s", publisher.get_topic_name(), error.what());
+  }
 }
 
 phasescan::Bytes Subscriptions::bytes_of(const rclcpp::SerializedMessage& message) {

@@ -28,9 +28,9 @@ rclcpp::ParameterValue to_ros(const core::ParameterValue& value);
 
 /// Declares each with its bounds and description, and sets those that launch files give.
 /// @throws rclcpp::exceptions::InvalidParameterValueException naming the parameter
-void declare_parameters(rclcpp_lifecycle::LifecycleNode& node, core::ParameterTable& table);
+void declare_entries(rclcpp_lifecycle::LifecycleNode& node, core::ParameterTable& table);
 /// What add_on_set_parameters_callback asks for. `set` answers for one parameter.
-rcl_interfaces::msg::SetParametersResult set_parameters(
+rcl_interfaces::msg::SetParametersResult set_entries(
     const std::vector<rclcpp::Parameter>& parameters,
     const std::function<core::Answer(const std::string&, const core::ParameterValue&)>& set,
     const core::ParameterTable& table);
@@ -68,7 +68,7 @@ class Publishers final : public core::NodeOutputs {
     if (const auto found = publishers_.find(name); found != publishers_.end())
       publish_bytes(*found->second, core::encode(message));
   }
-  static void publish_bytes(rclcpp::GenericPublisher& publisher, const std::vector<std::uint8_t>& bytes);
+  void publish_bytes(rclcpp::GenericPublisher& publisher, const std::vector<std::uint8_t>& bytes);
 
   rclcpp_lifecycle::LifecycleNode& node_;
   core::Role role_;

@@ -103,6 +103,7 @@ class GenericPublisher {
   using SharedPtr = std::shared_ptr<GenericPublisher>;
   explicit GenericPublisher(std::string topic) : topic_(std::move(topic)) {}
   void publish(const SerializedMessage& message) { stand_in_bus().publish(topic_, message); }
+  const char* get_topic_name() const { return topic_.c_str(); }
 
  private:
   std::string topic_;
@@ -179,6 +180,9 @@ class Time {
  private:
   std::int64_t ns_;
 };
+inline bool ok() {
+  return true;
+}
 struct Logger {};
 struct NodeOptions {};
 struct TimerBase {

@@ -32,6 +32,9 @@ class LifecycleNode : public std::enable_shared_from_this<LifecycleNode> {
   rclcpp::node_interfaces::NodeTopicsInterface::SharedPtr get_node_topics_interface() {
     return std::make_shared<rclcpp::node_interfaces::NodeTopicsInterface>();
   }
+  // Of these names the real one has members too: they hide functions outside.
+  void declare_parameters(const std::string&, const std::map<std::string, int>&) {}
+  void set_parameters(const std::vector<rclcpp::Parameter>&) {}
   rclcpp::ParameterValue declare_parameter(const std::string& name, const rclcpp::ParameterValue& otherwise,
                                            const rcl_interfaces::msg::ParameterDescriptor& descriptor) {
     declared[name] = descriptor;
