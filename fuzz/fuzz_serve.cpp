@@ -6,6 +6,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <string>
 
@@ -78,9 +81,31 @@ int connect_to(std::uint16_t port) {
 void send_all(int fd, const char* bytes, std::size_t size) {
   while (size > 0) {
     const ssize_t sent = ::send(fd, bytes, size, MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
     if (sent <= 0) return;  // the server has had enough
     bytes += sent;
     size -= static_cast<std::size_t>(sent);
+  }
+}
+
+/// What came; 0 or less: the end. The timer of libFuzzer interrupts whatever waits, every few seconds.
+ssize_t receive(int fd, char* buffer, std::size_t size) {
+  ssize_t got = 0;
+  do {
+    got = ::recv(fd, buffer, size, 0);
+  } while (got < 0 && errno == EINTR);
+  return got;
+}
+
+/// Whether something came, or the end, within `limit_ms`.
+bool comes(int fd, int limit_ms) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(limit_ms);
+  while (true) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
+    pollfd waits{fd, POLLIN, 0};
+    const int ready = ::poll(&waits, 1, static_cast<int>(std::max<long>(0, left)));
+    if (ready >= 0) return ready > 0;
+    if (errno != EINTR) std::abort();
   }
 }
 
@@ -96,16 +121,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   char buffer[65536];
   if (data[0] % 2 == 1) {
     send_all(fd, upgrade.data(), upgrade.size());
-    if (::recv(fd, buffer, sizeof buffer, 0) <= 0) std::abort();
+    if (receive(fd, buffer, sizeof buffer) <= 0) std::abort();
   }
   send_all(fd, reinterpret_cast<const char*>(data) + 1, size - 1);
   ::shutdown(fd, SHUT_WR);
   // The end is told, so the server must end as well. Soon, but the machine may be busy with other targets.
-  pollfd waits{fd, POLLIN, 0};
-  while (true) {
-    if (::poll(&waits, 1, 15000) <= 0) std::abort();
-    if (::recv(fd, buffer, sizeof buffer, 0) <= 0) break;
-  }
+  do {
+    if (!comes(fd, 15000)) std::abort();
+  } while (receive(fd, buffer, sizeof buffer) > 0);
   ::close(fd);
   return 0;
 }
