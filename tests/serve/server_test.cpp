@@ -311,8 +311,8 @@ TEST_F(ServerTest, AConnectionThatIsEndedTwiceEnds) {
     ASSERT_TRUE(frame);
     EXPECT_EQ(frame->opcode, 8);
     client.send_frame(8, "\x03\xe8");
-    EXPECT_TRUE(soon([&] { return echo->count() == 0; }));
   }
+  EXPECT_TRUE(soon([&] { return echo->count() == 0; }));
   EXPECT_TRUE(soon([&] { return server->counts().web_sockets == 0; }));
 }
 
