@@ -91,7 +91,7 @@ class SimulatedElsewhere {
       Scan& scan = next->entry.scan;
       for (std::size_t i = 0; i < scan.size(); ++i)
         if (scan.states[i] == BeamState::kNoReturn) scan.ranges[i] = 0.0F;  // as sensors say it
-      const Head head{scan.stamp,           scan.geometry,      scan.time_increment,
+      const Head head{scan.stamp,         scan.geometry,      scan.time_increment,
                       scan.ranges.size(), scan.angles.size(), scan.intensities.size()};
       bool sent = std::fwrite(&head, sizeof head, 1, out) == 1;
       for (const std::vector<float>* part : {&scan.ranges, &scan.angles, &scan.intensities})

@@ -185,8 +185,8 @@ class UdpLink final : public Link {
     while (client_ && !bytes.empty()) {
       const auto piece = bytes.first(std::min(kDatagram, bytes.size()));
       bytes = bytes.subspan(piece.size());
-      if (::sendto(fd_, piece.data(), piece.size(), 0, reinterpret_cast<const sockaddr*>(&*client_),
-                   sizeof *client_) < 0)
+      if (::sendto(fd_, piece.data(), piece.size(), 0, reinterpret_cast<const sockaddr*>(&*client_), sizeof *client_) <
+          0)
         forget_gone();
     }
   }
