@@ -1,10 +1,14 @@
 // phasescan bench live-memory: what a live run with its page and its recording holds while a robot drives about one
 // building for a day, as fast as it goes.
 #include <fmt/format.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -15,6 +19,7 @@
 #include "commands.hpp"
 #include "live/clocks.hpp"
 #include "live/recorder.hpp"
+#include "phasescan/io/error.hpp"
 #include "phasescan/live/live.hpp"
 #include "serve/live_control.hpp"
 #include "serve/status_board.hpp"
@@ -34,6 +39,71 @@ struct LiveMemoryFlags {
 
 constexpr double kMiB = 1048576.0;
 constexpr double kMostMiB = 80.0;
+
+/// Scans of a drive simulated by a process of its own: the way of a day alone takes 200 MiB, which no run would hold.
+class SimulatedElsewhere {
+ public:
+  /// There must be no other thread yet.
+  explicit SimulatedElsewhere(const std::function<sim::Drive()>& drive) {
+    int ends[2];
+    if (::pipe(ends) != 0) throw SystemError("pipe", std::strerror(errno));
+    child_ = ::fork();
+    if (child_ < 0) throw SystemError("fork", std::strerror(errno));
+    if (child_ == 0) {
+      ::close(ends[0]);
+      ::_exit(send(drive, ends[1]));
+    }
+    ::close(ends[1]);
+    in_ = ::fdopen(ends[0], "rb");
+  }
+  ~SimulatedElsewhere() {
+    std::fclose(in_);
+    ::waitpid(child_, nullptr, 0);
+  }
+  SimulatedElsewhere(const SimulatedElsewhere&) = delete;
+  SimulatedElsewhere& operator=(const SimulatedElsewhere&) = delete;
+
+  std::optional<Scan> next() {
+    Head head;
+    if (std::fread(&head, sizeof head, 1, in_) != 1) return std::nullopt;
+    std::vector<float> raw(head.beams), angles(head.angles), intensities(head.intensities);
+    for (std::vector<float>* part : {&raw, &angles, &intensities})
+      if (std::fread(part->data(), sizeof(float), part->size(), in_) != part->size()) return std::nullopt;
+    Scan scan = make_scan(raw, head.geometry, angles);
+    scan.stamp = head.stamp;
+    scan.time_increment = head.time_increment;
+    scan.intensities = std::move(intensities);
+    return scan;
+  }
+
+ private:
+  struct Head {
+    Stamp stamp = 0;
+    ScanGeometry geometry;
+    double time_increment = 0.0;
+    std::size_t beams = 0, angles = 0, intensities = 0;
+  };
+
+  static int send(const std::function<sim::Drive()>& drive, int to) {
+    std::FILE* out = ::fdopen(to, "wb");
+    sim::Drive driven = drive();
+    while (auto next = driven.next()) {
+      Scan& scan = next->entry.scan;
+      for (std::size_t i = 0; i < scan.size(); ++i)
+        if (scan.states[i] == BeamState::kNoReturn) scan.ranges[i] = 0.0F;  // as sensors say it
+      const Head head{scan.stamp,         scan.geometry,      scan.time_increment,
+                      scan.ranges.size(), scan.angles.size(), scan.intensities.size()};
+      bool sent = std::fwrite(&head, sizeof head, 1, out) == 1;
+      for (const std::vector<float>* part : {&scan.ranges, &scan.angles, &scan.intensities})
+        sent = sent && std::fwrite(part->data(), sizeof(float), part->size(), out) == part->size();
+      if (!sent) return 1;
+    }
+    return std::fclose(out) == 0 ? 0 : 1;
+  }
+
+  pid_t child_ = -1;
+  std::FILE* in_ = nullptr;
+};
 
 /// Nobody asks for anything.
 class NoControl final : public serve::LiveControl {
@@ -62,8 +132,8 @@ class Recording final : public live::LiveSink {
 /// real one.
 class DriveSource final : public live::LiveSource {
  public:
-  DriveSource(sim::Drive drive, std::function<std::uint64_t()> recorded)
-      : drive_(std::move(drive)), recorded_(std::move(recorded)) {}
+  DriveSource(SimulatedElsewhere& drive, std::function<std::uint64_t()> recorded)
+      : drive_(drive), recorded_(std::move(recorded)) {}
   bool can_wait() const override { return true; }
   void run(const std::function<bool()>& stop, const std::function<void(live::LiveScan)>& hand,
            const std::function<void(const std::string&)>&) override {
@@ -73,12 +143,12 @@ class DriveSource final : public live::LiveSource {
       constexpr std::uint64_t kBehind = 16;
       while (handed_ > recorded_() + kBehind && !stop()) std::this_thread::sleep_for(std::chrono::microseconds(200));
       ++handed_;
-      hand({{std::move(scan->entry.scan)}, live::steady_ns()});
+      hand({{std::move(*scan)}, live::steady_ns()});
     }
   }
 
  private:
-  sim::Drive drive_;
+  SimulatedElsewhere& drive_;
   std::function<std::uint64_t()> recorded_;
   std::uint64_t handed_ = 0;
 };
@@ -133,6 +203,7 @@ sim::Drive drive_of(const LiveMemoryFlags& flags) {
 }
 
 int run_live_memory(const LiveMemoryFlags& flags) {
+  SimulatedElsewhere drive([&flags] { return drive_of(flags); });
   SlamOptions options = config_from(flags.common).slam;
   options.slam.bounded_memory = true;  // as `live` has it
   ThreadExecutor executor;
@@ -149,7 +220,7 @@ int run_live_memory(const LiveMemoryFlags& flags) {
   const InterruptGuard guard;
   {
     Recording recording(file);
-    DriveSource source(drive_of(flags), [&recording] { return recording.scans(); });
+    DriveSource source(drive, [&recording] { return recording.scans(); });
     live::run_live(
         source, *engine, {&viewer, &board, &recording, &watch}, nullptr, [] { return InterruptGuard::interrupted(); },
         [](const std::string&) {});

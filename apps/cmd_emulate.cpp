@@ -1,4 +1,4 @@
-// phasescan emulate: a sensor that is not there, on a pseudo-terminal or a TCP port.
+// phasescan emulate: a sensor that is not there, on a pseudo-terminal or a network port.
 #include "command_list.hpp"
 #include "commands.hpp"
 #include "core/random.hpp"
@@ -14,6 +14,7 @@ struct EmulateFlags {
   std::string sensor = "rplidar-a1", world = "flat", path = "tour";
   emulate::EmulatorOptions what;
   double delay_ms = 0.0;
+  int tcp_port = 0, udp_port = 0;
 };
 
 int run_emulate_command(EmulateFlags flags) {
@@ -27,7 +28,11 @@ int run_emulate_command(EmulateFlags flags) {
   options.path.kind = enum_of_flag<sim::PathKind>("--path", flags.path);
   options.seed = flags.common.seed;
   options.faults.delay_s = 1e-3 * flags.delay_ms;
-  options.tcp |= model->protocol == live::Protocol::kSick || options.tcp_port > 0;
+  // An RPLIDAR without a serial line speaks UDP.
+  options.udp |= flags.udp_port > 0 || (model->protocol == live::Protocol::kRplidar && model->baud == 0);
+  options.tcp |= flags.tcp_port > 0 || model->protocol == live::Protocol::kSick;
+  if (options.tcp && options.udp) throw std::invalid_argument("--tcp, --udp: expected one of them");
+  options.network_port = options.udp ? flags.udp_port : flags.tcp_port;
   const InterruptGuard guard;
   emulate::run_emulator(
       options,
@@ -42,7 +47,7 @@ int run_emulate_command(EmulateFlags flags) {
 }  // namespace
 
 void add_emulate_command(CLI::App& app, CommandBody& body) {
-  auto* command = app.add_subcommand("emulate", "a sensor that is not there, on a pseudo-terminal or a TCP port");
+  auto* command = app.add_subcommand("emulate", "a sensor that is not there, on a pseudo-terminal or a network port");
   auto flags = std::make_shared<EmulateFlags>();
   emulate::Faults& faults = flags->what.faults;
   const auto share = [command](const char* name, double& value, const char* what) {
@@ -62,7 +67,9 @@ void add_emulate_command(CLI::App& app, CommandBody& body) {
   command->add_option("--duration", flags->what.path.duration_s, "seconds; 0: one round of a tour, else 60 s")
       ->check(number_from_zero());
   command->add_flag("--tcp", flags->what.tcp, "a TCP port of this machine instead of a pseudo-terminal");
-  command->add_option("--tcp-port", flags->what.tcp_port, "which; 0: any that is free")->check(CLI::Range(0, 65535));
+  command->add_option("--tcp-port", flags->tcp_port, "which; 0: any that is free")->check(CLI::Range(0, 65535));
+  command->add_flag("--udp", flags->what.udp, "a UDP port, likewise");
+  command->add_option("--udp-port", flags->udp_port, "which; 0: any that is free")->check(CLI::Range(0, 65535));
   command->add_option("--link", flags->what.alias, "a name for the pseudo-terminal that stays")->type_name("PATH");
   command->add_option("--truth", flags->what.truth, "where the sensor was, written at the end")->type_name("FILE.tum");
   share("--drop", faults.drop, "share of the bytes that are lost");

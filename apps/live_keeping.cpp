@@ -88,7 +88,7 @@ bool LiveKeeping::finish() {
   if (recorder_) {
     whole = recorder_->close() && whole;
     const live::RecorderCounts counts = recorder_->counts();
-    tell_(fmt::format("{}: {} scans recorded, {:.1f} MB{}{}", recorder_->path(), counts.scans,
+    tell_(fmt::format("{}: {} scans recorded, {:.2f} MB{}{}", recorder_->path(), counts.scans,
                       1e-6 * static_cast<double>(counts.bytes),
                       counts.dropped > 0 ? fmt::format(", {} left out: the disk is too slow", counts.dropped) : "",
                       counts.failed ? ", not to the end" : ""));

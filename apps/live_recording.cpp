@@ -32,7 +32,7 @@ std::string LiveRecording::stop() {
   closing_ = std::thread([recorder = std::shared_ptr<live::Recorder>(std::move(recorder_)), tell = tell_, name] {
     const bool whole = recorder->close();
     const live::RecorderCounts counts = recorder->counts();
-    tell(fmt::format("{}: {} scans recorded, {:.1f} MB{}", name, counts.scans, 1e-6 * static_cast<double>(counts.bytes),
+    tell(fmt::format("{}: {} scans recorded, {:.2f} MB{}", name, counts.scans, 1e-6 * static_cast<double>(counts.bytes),
                      whole ? "" : ", not to the end"));
   });
   return name;

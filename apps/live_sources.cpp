@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -192,28 +193,54 @@ class LogReplay final : public ReplaySource {
   std::atomic<std::int64_t> at_ns_{0}, duration_ns_{0}, sought_ns_{kNowhere};
 };
 
+/// An hour's way takes a second to plan: the first round of it, which is the same, is driven meanwhile.
 class DemoSource final : public live::LiveSource {
  public:
-  explicit DemoSource(std::uint64_t seed) : drive_(drive_of(seed)) {}
+  explicit DemoSource(std::uint64_t seed) : seed_(seed), drive_(drive_of(seed, 0.0)) {}
   void run(const std::function<bool()>& stop, const std::function<void(live::LiveScan)>& hand,
            const std::function<void(const std::string&)>& tell) override {
     tell("a simulated RPLIDAR A1 in a simulated flat");
+    whole_ = std::async(std::launch::async, [this] { return drive_of(seed_, kDuration_s); });
     Pace pace;
-    while (auto scan = drive_.next()) {
+    while (auto scan = next()) {
       if (!pace.wait_for(scan->entry.scan.stamp, stop)) return;
       hand({to_measurement(std::move(scan->entry)), steady_ns()});
     }
   }
 
  private:
-  static sim::Drive drive_of(std::uint64_t seed) {
+  static constexpr double kDuration_s = 3600.0;
+
+  /// @param duration_s  0: one round
+  static std::unique_ptr<sim::Drive> drive_of(std::uint64_t seed, double duration_s) {
     const sim::World world = sim::make_world(sim::WorldKind::kFlat, seed);
     sim::PathOptions path;
-    path.duration_s = 3600.0;
-    return sim::Drive(world, sim::read_lidar("rplidar-a1"), sim::Path(world, path, Random::derive(seed, 1)), {},
-                      Random::derive(seed, 2));
+    path.duration_s = duration_s;
+    return std::make_unique<sim::Drive>(world, sim::read_lidar("rplidar-a1"),
+                                        sim::Path(world, path, Random::derive(seed, 1)), sim::DriveOptions{},
+                                        Random::derive(seed, 2));
   }
-  sim::Drive drive_;
+
+  std::optional<sim::DriveScan> next() {
+    if (whole_.valid() && whole_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) take_whole();
+    auto scan = drive_->next();
+    if (!scan && whole_.valid()) {
+      take_whole();
+      scan = drive_->next();
+    }
+    ++given_;
+    return scan;
+  }
+
+  void take_whole() {
+    drive_ = whole_.get();
+    for (std::size_t i = 0; i < given_; ++i) drive_->next();
+  }
+
+  std::uint64_t seed_;
+  std::unique_ptr<sim::Drive> drive_;
+  std::future<std::unique_ptr<sim::Drive>> whole_;
+  std::size_t given_ = 0;
 };
 
 /// Scans of a sensor cut down as those of a log are.

@@ -6,6 +6,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <string>
 
@@ -63,6 +66,19 @@ struct Target {
   std::unique_ptr<serve::Server> server;
 };
 
+/// Whether the socket is ready (POLLIN: something came, or the end) within 15 s. Soon, but the machine may be busy with
+/// other targets; and the timer of libFuzzer interrupts whatever waits, every few seconds.
+bool ready(int fd, short what) {
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(15);
+  while (true) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now()).count();
+    pollfd waits{fd, what, 0};
+    const int count = ::poll(&waits, 1, static_cast<int>(std::max<long>(0, left)));
+    if (count >= 0) return count > 0;
+    if (errno != EINTR) std::abort();
+  }
+}
+
 int connect_to(std::uint16_t port) {
   const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
   const linger at_once{1, 0};
@@ -71,17 +87,31 @@ int connect_to(std::uint16_t port) {
   at.sin_family = AF_INET;
   at.sin_port = htons(port);
   at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  if (::connect(fd, reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0) std::abort();
+  // Interrupted, it goes on by itself.
+  int error = ::connect(fd, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0 ? 0 : errno;
+  socklen_t size = sizeof error;
+  if (error == EINTR && ready(fd, POLLOUT)) ::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
+  if (error != 0) std::abort();
   return fd;
 }
 
 void send_all(int fd, const char* bytes, std::size_t size) {
   while (size > 0) {
     const ssize_t sent = ::send(fd, bytes, size, MSG_NOSIGNAL);
+    if (sent < 0 && errno == EINTR) continue;
     if (sent <= 0) return;  // the server has had enough
     bytes += sent;
     size -= static_cast<std::size_t>(sent);
   }
+}
+
+/// What came; 0 or less: the end.
+ssize_t receive(int fd, char* buffer, std::size_t size) {
+  ssize_t got = 0;
+  do {
+    got = ::recv(fd, buffer, size, 0);
+  } while (got < 0 && errno == EINTR);
+  return got;
 }
 
 }  // namespace
@@ -96,16 +126,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   char buffer[65536];
   if (data[0] % 2 == 1) {
     send_all(fd, upgrade.data(), upgrade.size());
-    if (::recv(fd, buffer, sizeof buffer, 0) <= 0) std::abort();
+    if (receive(fd, buffer, sizeof buffer) <= 0) std::abort();
   }
   send_all(fd, reinterpret_cast<const char*>(data) + 1, size - 1);
   ::shutdown(fd, SHUT_WR);
-  // The end is told, so the server must end as well. Soon, but the machine may be busy with other targets.
-  pollfd waits{fd, POLLIN, 0};
-  while (true) {
-    if (::poll(&waits, 1, 15000) <= 0) std::abort();
-    if (::recv(fd, buffer, sizeof buffer, 0) <= 0) break;
-  }
+  // The end is told, so the server must end as well.
+  do {
+    if (!ready(fd, POLLIN)) std::abort();
+  } while (receive(fd, buffer, sizeof buffer) > 0);
   ::close(fd);
   return 0;
 }

@@ -49,9 +49,10 @@ class Emulator {
   bool link_present() { return link_ && link_->connected(); }
 
   void plug_in() {
-    if (options_.tcp) {
-      link_ = open_tcp_port(tcp_port_ != 0 ? tcp_port_ : options_.tcp_port);
-      tcp_port_ = std::stoi(link_->name().substr(link_->name().rfind(':') + 1));
+    if (options_.tcp || options_.udp) {
+      const int port = network_port_ != 0 ? network_port_ : options_.network_port;
+      link_ = options_.udp ? open_udp_port(port) : open_tcp_port(port);
+      network_port_ = std::stoi(link_->name().substr(link_->name().rfind(':') + 1));
     } else {
       link_ = open_pty(options_.alias);
     }
@@ -161,7 +162,7 @@ class Emulator {
   std::unique_ptr<WorldFeed> feed_;
   std::optional<WirePacket> next_;
   Random noise_;
-  int form_ = 0, tcp_port_ = 0;
+  int form_ = 0, network_port_ = 0;
   std::string echo_;
   double start_s_ = 0.0, line_free_s_ = 0.0, held_since_s_ = 0.0;
   ByteString held_;

@@ -29,10 +29,10 @@ struct EmulatorOptions {
   sim::World world;
   sim::PathOptions path;
   std::uint64_t seed = 1;
-  bool tcp = false;
-  int tcp_port = 0;
-  std::string alias;  ///< a link to the pseudo-terminal
-  std::string truth;  ///< where the laser was, TUM, by the computer's clock; empty: not written
+  bool tcp = false, udp = false;  ///< a port of this machine instead of a pseudo-terminal
+  int network_port = 0;           ///< 0: any that is free
+  std::string alias;              ///< a link to the pseudo-terminal
+  std::string truth;              ///< where the laser was, TUM, by the computer's clock; empty: not written
   Faults faults;
 };
 

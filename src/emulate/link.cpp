@@ -10,11 +10,13 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 
 #include "phasescan/io/error.hpp"
 
@@ -27,6 +29,14 @@ std::vector<std::uint8_t> read_from(int fd, int wait_ms) {
   std::array<std::uint8_t, 4096> bytes;
   const ssize_t n = ::read(fd, bytes.data(), bytes.size());
   return n > 0 ? std::vector<std::uint8_t>(bytes.begin(), bytes.begin() + n) : std::vector<std::uint8_t>();
+}
+
+sockaddr_in loopback(int port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return address;
 }
 
 class PtyLink final : public Link {
@@ -91,10 +101,7 @@ class TcpLink final : public Link {
     listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     const int on = 1;
     ::setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    sockaddr_in address = loopback(port);
     socklen_t size = sizeof address;
     if (::bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 || ::listen(listener_, 1) != 0)
       throw SystemError("tcp:127.0.0.1:" + std::to_string(port), std::strerror(errno));
@@ -141,6 +148,58 @@ class TcpLink final : public Link {
   int listener_ = -1, client_ = -1, port_ = 0;
 };
 
+/// Datagrams to whoever spoke last.
+class UdpLink final : public Link {
+ public:
+  explicit UdpLink(int port) {
+    fd_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const int on = 1;
+    ::setsockopt(fd_, IPPROTO_IP, IP_RECVERR, &on, sizeof on);  // else nobody says that the client is gone
+    sockaddr_in address = loopback(port);
+    socklen_t size = sizeof address;
+    if (::bind(fd_, reinterpret_cast<sockaddr*>(&address), size) != 0)
+      throw SystemError("udp:127.0.0.1:" + std::to_string(port), std::strerror(errno));
+    ::getsockname(fd_, reinterpret_cast<sockaddr*>(&address), &size);
+    port_ = ntohs(address.sin_port);
+  }
+  ~UdpLink() override { ::close(fd_); }
+  UdpLink(const UdpLink&) = delete;
+  UdpLink& operator=(const UdpLink&) = delete;
+
+  std::string name() const override { return "udp:127.0.0.1:" + std::to_string(port_); }
+  bool connected() override { return client_.has_value(); }
+  std::vector<std::uint8_t> read(int wait_ms) override {
+    pollfd waiting{fd_, POLLIN, 0};
+    if (::poll(&waiting, 1, wait_ms) <= 0) return {};
+    std::array<std::uint8_t, 4096> bytes;
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    const ssize_t n = ::recvfrom(fd_, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
+    if (n < 0) forget_gone();
+    if (n <= 0) return {};
+    client_ = from;
+    return {bytes.begin(), bytes.begin() + n};
+  }
+  void write(std::span<const std::uint8_t> bytes) override {
+    constexpr std::size_t kDatagram = 1400;  // what a network takes in one piece
+    while (client_ && !bytes.empty()) {
+      const auto piece = bytes.first(std::min(kDatagram, bytes.size()));
+      bytes = bytes.subspan(piece.size());
+      if (::sendto(fd_, piece.data(), piece.size(), 0, reinterpret_cast<const sockaddr*>(&*client_), sizeof *client_) <
+          0)
+        forget_gone();
+    }
+  }
+  int baud() override { return 0; }
+
+ private:
+  void forget_gone() {
+    if (errno == ECONNREFUSED) client_.reset();
+  }
+  int fd_ = -1, port_ = 0;
+  std::optional<sockaddr_in> client_;
+};
+
 }  // namespace
 
 std::unique_ptr<Link> open_pty(const std::string& alias) {
@@ -148,6 +207,9 @@ std::unique_ptr<Link> open_pty(const std::string& alias) {
 }
 std::unique_ptr<Link> open_tcp_port(int port) {
   return std::make_unique<TcpLink>(port);
+}
+std::unique_ptr<Link> open_udp_port(int port) {
+  return std::make_unique<UdpLink>(port);
 }
 
 }  // namespace phasescan::emulate

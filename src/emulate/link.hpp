@@ -1,4 +1,4 @@
-// The emulated sensor's end of the line: the master of a pseudo-terminal, or a TCP port with one client.
+// The emulated sensor's end of the line: the master of a pseudo-terminal, or a TCP or UDP port with one client.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace phasescan::emulate {
 class Link {
  public:
   virtual ~Link() = default;
-  /// What a client opens: "/dev/pts/3", "tcp:127.0.0.1:40123".
+  /// What a client opens: "/dev/pts/3", "tcp:127.0.0.1:40123", "udp:127.0.0.1:40123".
   virtual std::string name() const = 0;
   /// Whether somebody is there; bytes sent to nobody are gone, as on a real line.
   virtual bool connected() = 0;
@@ -28,5 +28,7 @@ class Link {
 std::unique_ptr<Link> open_pty(const std::string& alias);
 /// @param port  0: any that is free. Loopback alone.
 std::unique_ptr<Link> open_tcp_port(int port);
+/// The same by UDP.
+std::unique_ptr<Link> open_udp_port(int port);
 
 }  // namespace phasescan::emulate

@@ -17,6 +17,8 @@ using Clock = std::chrono::steady_clock;
 // The bauds of the families, the commonest first. In each a sensor that talks is heard within two packets.
 constexpr int kBauds[] = {115200, 230400, 460800, 256000, 128000, 1000000, 512000, 921600};
 constexpr auto kListen = std::chrono::milliseconds(100), kAnswer = std::chrono::milliseconds(60);
+// Of a head that stood: it sends nothing before it turns.
+constexpr auto kSpinUp = std::chrono::milliseconds(800);
 constexpr std::uint64_t kEnoughPackets = 3;  // right ones in a row are no chance
 
 struct Listener {
@@ -108,7 +110,7 @@ const SensorModel* probe(Port& port, int baud, std::size_t& heard) {
   if (asked.has(Protocol::kLds01)) {
     constexpr std::uint8_t kBegin[] = {'b'};
     port.write(kBegin);
-    if (const SensorModel* found = asked.listen(kAnswer)) return found;
+    if (const SensorModel* found = asked.listen(kSpinUp)) return found;
   }
   if (asked.has(Protocol::kHokuyo)) {
     constexpr std::uint8_t kQuit[] = {'\n', 'Q', 'T', '\n'};

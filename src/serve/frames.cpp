@@ -45,7 +45,7 @@ std::optional<double> number(const nlohmann::json& json, const char* name) {
 
 }  // namespace
 
-std::string scan_frame(const live::LiveUpdate& live) {
+std::string scan_frame(const live::LiveUpdate& live, bool deskew) {
   const ScanUpdate& update = live.update;
   const Pose2 pose = update.T_map_base();
   const Eigen::Matrix3d covariance = update.map_covariance.value_or(update.odom_covariance);
@@ -62,14 +62,17 @@ std::string scan_frame(const live::LiveUpdate& live) {
   if (!live.measurement) return out;
   const Scan& scan = live.measurement->scan;
   const Pose2& T_base_laser = live.measurement->T_base_laser;
+  const Twist2 twist = deskew && is_tracked(update.status) ? update.twist : Twist2{};
   const std::size_t step = 1 + scan.size() / kMostPoints;
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < scan.size(); i += step) {
     if (!scan.is_hit(i)) continue;
     const double range = static_cast<double>(scan.ranges[i]);
-    const double angle = T_base_laser.theta + scan.angle(i);
-    put(out, in_units(T_base_laser.x + range * std::cos(angle)));
-    put(out, in_units(T_base_laser.y + range * std::sin(angle)));
+    const Eigen::Vector2d in_laser(range * std::cos(scan.angle(i)), range * std::sin(scan.angle(i)));
+    const Eigen::Vector2d at =
+        exp_twist(twist, static_cast<double>(i) * scan.time_increment) * (T_base_laser * in_laser);
+    put(out, in_units(at.x()));
+    put(out, in_units(at.y()));
     ++count;
   }
   std::memcpy(out.data() + count_at, &count, sizeof count);

@@ -15,8 +15,9 @@ namespace phasescan::serve {
 
 enum class FrameKind : std::uint8_t { kScan = 1, kTiles = 2, kPath = 3, kLoops = 4, kHypotheses = 5 };
 
-/// Pose, covariance, status and the hits of a scan.
-std::string scan_frame(const live::LiveUpdate& update);
+/// Pose, covariance, status and the hits of a scan, as seen from that pose. @param deskew  without what the robot moved
+/// during the turn
+std::string scan_frame(const live::LiveUpdate& update, bool deskew);
 /// Appends a tile to a frame that `begin_tiles` began.
 std::string begin_tiles(double resolution_m);
 void add_tile(std::string& frame, TileIndex at, const PackedTile& tile);

@@ -54,7 +54,7 @@ Viewer::Viewer(const SlamOptions& options, LiveControl& control, std::function<s
 Viewer::~Viewer() = default;
 
 void Viewer::take(const live::LiveUpdate& update) {
-  SharedBytes scan = share(scan_frame(update));
+  SharedBytes scan = share(scan_frame(update, options_.odometry.deskew));
   const bool map_changed = map_->add(update);
   std::map<TileIndex, PackedTile> tiles;
   if (map_changed) tiles = map_->take_changed_tiles();

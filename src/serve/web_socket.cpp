@@ -76,8 +76,7 @@ class WebSocketConnection final : public Connection,
     }
   }
   void drop() override {
-    beast::error_code ignored;
-    beast::get_lowest_layer(socket_).socket().close(ignored);
+    close_socket();
     gone();
   }
   bool is_web_socket() const override { return true; }
@@ -127,13 +126,20 @@ class WebSocketConnection final : public Connection,
   }
 
   void say_goodbye() {
-    if (!open_) return;
+    if (!open_ || std::exchange(said_goodbye_, true)) return;
     socket_.async_close(*closing_, [self = shared_from_this()](beast::error_code) { self->gone(); });
   }
 
+  /// A message that the client does not take is given up with the rest: it would hold the connection for ever.
   void gone() {
     if (!std::exchange(open_, false)) return;
+    close_socket();
     endpoint_->on_close(shared_from_this());
+  }
+
+  void close_socket() {
+    beast::error_code ignored;
+    beast::get_lowest_layer(socket_).socket().close(ignored);
   }
 
   struct Message {
@@ -151,7 +157,7 @@ class WebSocketConnection final : public Connection,
   std::deque<Message> queue_;  // the first one is on its way
   Clock::time_point write_began_;
   std::optional<websocket::close_reason> closing_;
-  bool open_ = false;
+  bool open_ = false, said_goodbye_ = false;
   std::atomic<bool> too_slow_{false};
   std::atomic<std::size_t> queued_{0};
 };

@@ -43,6 +43,7 @@ ScanUpdate Slam::Impl::begin_anew() {
   fresh.bodies = std::move(state.bodies);
   fresh.beginning = std::move(state.beginning);
   state = std::move(fresh);
+  packed.clear();  // the ledger of a checkpoint is whole
   kept = {-1, nullptr, nullptr};
   ScanUpdate update;
   for (const HeldMeasurement& held : state.beginning) update = track_scene(held.measurement, held.repeated);

@@ -70,6 +70,7 @@ void Slam::set_observer(SlamObserver* observer) {
 std::shared_ptr<SlamState::Data> Slam::Impl::checkpoint() {
   runner->wait();
   auto data = std::make_shared<SlamState::Data>(state);
+  data->ledger.records = all_records();
   data->odometry = tracker.state();
   data->suspects = tracker.suspects();
   data->backend = runner->idle().state();
@@ -120,6 +121,8 @@ SlamResult Slam::finish() {
   self.runner->finish(std::exchange(self.state.batch, {}));
   const Backend& backend = self.runner->idle();
   self.enter(self.runner->final_result(self.state.keyframe_covariance));
+  self.state.ledger.records = self.all_records();
+  self.packed.clear();
   const ScanLedger& ledger = self.state.ledger;
   std::vector<Pose2> poses = poses_of_scans(ledger, backend.submitted_poses(), backend.submitted_poses(true));
   const bool refined = self.keeps_all() && !ledger.records.empty();
@@ -140,7 +143,7 @@ SlamResult Slam::finish() {
 }
 
 std::size_t Slam::scans() const {
-  return impl_->state.ledger.records.size();
+  return static_cast<std::size_t>(impl_->next_scan());
 }
 
 const SlamOptions& Slam::options() const {

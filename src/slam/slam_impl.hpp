@@ -9,6 +9,7 @@
 #include "odometry/own_body.hpp"
 #include "slam/backend_runner.hpp"
 #include "slam/input_check.hpp"
+#include "slam/packed_records.hpp"
 #include "slam/slam_state.hpp"
 
 namespace phasescan {
@@ -65,7 +66,11 @@ struct Slam::Impl {
   bool bounded() const { return options.slam.bounded_memory; }
   /// Whether every scan is kept, and not the keyframes' alone.
   bool keeps_all() const { return options.slam.polish && !bounded(); }
-  ScanId next_scan() const { return static_cast<ScanId>(state.ledger.records.size()); }
+  ScanId next_scan() const { return static_cast<ScanId>(packed.size() + state.ledger.records.size()); }
+  /// Where in the ledger as it is held the record of a scan is. @pre it is none of those packed
+  std::size_t record_of(ScanId scan) const { return static_cast<std::size_t>(scan) - packed.size(); }
+  void pack_records();
+  std::vector<ScanRecord> all_records() const;
   /// The first scan of the session.
   ScanId session_begin() const { return state.ledger.sessions.empty() ? 0 : state.ledger.sessions.back(); }
 
@@ -76,6 +81,7 @@ struct Slam::Impl {
   std::unique_ptr<BackendRunner> runner;
   OwnBody own_body;
   SlamState::Data state;  // but for odometry and backend, which tracker and runner hold
+  PackedRecords packed;   // of the first scans in bounded-memory mode: the ledger in `state` goes on after them
   SlamObserver* observer = nullptr;
   double backend_cpu_s = 0.0;
   bool finished = false;

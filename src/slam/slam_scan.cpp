@@ -62,6 +62,7 @@ ScanUpdate Slam::Impl::repeat(const RangeMeasurement& measurement) {
   again.repeated = true;
   state.ledger.records.push_back(again);
   if (!bounded()) state.ledger.covariances.push_back(state.ledger.covariances.back());
+  pack_records();
   if (keeps_all()) state.store.add(measurement.scan, measurement.T_base_laser);
   ScanUpdate update = state.last;
   update.stamp = measurement.scan.stamp;
@@ -100,7 +101,7 @@ void Slam::Impl::take_keyframe(const TrackedKeyframe& tracked, const KeptScan& s
 
 /// The keyframe of the first tracked scan, now that its pose is known: scans up to here stand relative to it.
 void Slam::Impl::take_first(const TrackedKeyframe& tracked) {
-  for (auto i = static_cast<std::size_t>(state.first->scan); i < state.ledger.records.size(); ++i) {
+  for (std::size_t i = record_of(state.first->scan); i < state.ledger.records.size(); ++i) {
     state.ledger.records[i].keyframe = state.ledger.keyframes;
     state.ledger.records[i].set(tracked.T_mid_stamp);
   }
@@ -115,9 +116,9 @@ void Slam::Impl::settle(const SettledScan& settled) {
   for (const TrackedKeyframe& tracked : settled.step.keyframes)
     take_keyframe(tracked, keep_settled(settled.measurement, id));
   if (settled.step.keyframe) state.keyframe_covariance = settled.step.covariance;
-  for (auto i = static_cast<std::size_t>(id); i < state.ledger.records.size(); ++i) {
+  for (std::size_t i = record_of(id); i < state.ledger.records.size(); ++i) {
     ScanRecord& record = state.ledger.records[i];
-    if (i > static_cast<std::size_t>(id) && !record.repeated) break;
+    if (i > record_of(id) && !record.repeated) break;
     record.keyframe = state.ledger.keyframes > state.session_keyframe ? state.ledger.keyframes - 1 : -1;
     record.set(state.T_odom_keyframe.inverse() * settled.step.T_odom_stamp);
     record.status = settled.step.status;
@@ -160,6 +161,7 @@ void Slam::Impl::record(const TrackerStep& step, const RangeMeasurement& measure
   state.ledger.records.push_back(record);
   if (!bounded())
     state.ledger.covariances.push_back(PackedCovariance::of(update.map_covariance.value_or(update.odom_covariance)));
+  pack_records();
 }
 
 void Slam::Impl::hand_over() {

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "live/clocks.hpp"
+#include "live/find_sensor.hpp"
 #include "live/port.hpp"
 #include "live/raw_file.hpp"
 #include "live/streams.hpp"
@@ -83,6 +84,50 @@ class UdpSensor {
   std::vector<char> heard_;
   std::thread thread_;
 };
+
+/// An LDS-01 on a pseudo-terminal whose head stands until it is told to begin, and takes a while to turn.
+class StandingSensor {
+ public:
+  StandingSensor() : fd_(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK)) {
+    ::grantpt(fd_);
+    ::unlockpt(fd_);
+    name_ = ::ptsname(fd_);
+    thread_ = std::thread([this] { work(); });
+  }
+  ~StandingSensor() {
+    ends_ = true;
+    thread_.join();
+    ::close(fd_);
+  }
+  const std::string& name() const { return name_; }
+
+ private:
+  void work() {
+    char heard = 0;
+    while (!ends_ && heard != 'b')
+      if (::read(fd_, &heard, 1) <= 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    for (const WirePacket& packet : packets_of(form_of("lds-01"), 5)) {
+      if (ends_) return;
+      if (::write(fd_, packet.bytes.data(), packet.bytes.size()) < 0) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    }
+  }
+
+  int fd_;
+  std::string name_;
+  std::atomic<bool> ends_ = false;
+  std::thread thread_;
+};
+
+TEST(Ports, AHeadThatStoodIsWaitedFor) {
+  const StandingSensor sensor;
+  std::size_t heard = 0;
+  const SensorModel* found = find_sensor_at(
+      sensor.name(), [] { return false; }, heard);
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->name, "lds-01");
+}
 
 TEST(Ports, DatagramsAreAStream) {
   UdpSensor sensor;

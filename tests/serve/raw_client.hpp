@@ -39,6 +39,8 @@ class RawClient {
       sent += static_cast<std::size_t>(n);
     }
   }
+  /// Says that nothing more will come; what the other end sends is still taken.
+  void end_sending() const { ::shutdown(fd_, SHUT_WR); }
   /// What comes until `enough` says so, the other end closes, or nothing came for `patience`.
   template <class Enough>
   std::string receive(const Enough& enough, std::chrono::milliseconds patience = std::chrono::milliseconds(5000)) {

@@ -283,6 +283,39 @@ TEST_F(ServerTest, AClientThatStopsReadingIsDroppedAfterAWhile) {
   EXPECT_TRUE(soon([&] { return echo->count() == 0; }));
 }
 
+TEST_F(ServerTest, AClientThatEndsItsSideAndReadsNothingHoldsNoPlace) {
+  begin();
+  RawClient half(server->port(), 4096);
+  ASSERT_EQ(half.upgrade("/ws"), 101);
+  ASSERT_TRUE(soon([&] { return echo->count() == 1; }));
+  echo->send_all(std::make_shared<const std::string>(4000000, 'x'));
+  echo->send_all(std::make_shared<const std::string>(1000, 'x'));
+  half.end_sending();  // while a message is on its way that it never takes
+  EXPECT_TRUE(soon([&] { return echo->count() == 0; }));
+  EXPECT_TRUE(soon([&] { return server->counts().web_sockets == 0; }));
+}
+
+TEST_F(ServerTest, AConnectionThatIsEndedTwiceEnds) {
+  begin();
+  {
+    RawClient client(server->port());
+    ASSERT_EQ(client.upgrade("/ws"), 101);
+    ASSERT_TRUE(soon([&] { return echo->count() == 1; }));
+    std::shared_ptr<Peer> peer;
+    {
+      const std::lock_guard lock(echo->mutex);
+      peer = echo->peers.front();
+    }
+    for (int i = 0; i < 4; ++i) peer->close(1000, "as you wish");
+    const auto frame = client.frame();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->opcode, 8);
+    client.send_frame(8, "\x03\xe8");
+  }
+  EXPECT_TRUE(soon([&] { return echo->count() == 0; }));
+  EXPECT_TRUE(soon([&] { return server->counts().web_sockets == 0; }));
+}
+
 TEST_F(ServerTest, ItEndsWithClientsStillThere) {
   begin();
   RawClient idle(server->port()), half(server->port()), socket(server->port());

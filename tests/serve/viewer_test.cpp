@@ -123,6 +123,30 @@ TEST_F(ViewerTest, ScansArriveAsTheyWereMeasured) {
   }
 }
 
+TEST_F(ViewerTest, WhatTheRobotMovesDuringATurnBendsNoScan) {
+  const auto page = open();
+  live::LiveUpdate update = tour_updates()[20];
+  auto moving = std::make_shared<RangeMeasurement>(*update.measurement);
+  moving->scan.time_increment = 0.1 / static_cast<double>(moving->scan.size());
+  update.measurement = moving;
+  update.update.twist = {0.4, 0.0, 1.5};
+  viewer.take(update);
+  const Scan& scan = moving->scan;
+  ASSERT_EQ(page->hits.size(), scan.hit_count());
+  std::size_t hit = 0;
+  double most = 0.0;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (!scan.is_hit(i)) continue;
+    const double range = static_cast<double>(scan.ranges[i]);
+    const Eigen::Vector2d raw(range * std::cos(scan.angle(i)), range * std::sin(scan.angle(i)));
+    const Eigen::Vector2d seen = exp_twist(update.update.twist, static_cast<double>(i) * scan.time_increment) * raw;
+    EXPECT_NEAR(page->hits[hit].first, seen.x(), 0.003);
+    EXPECT_NEAR(page->hits[hit++].second, seen.y(), 0.003);
+    most = std::max(most, (seen - raw).norm());
+  }
+  EXPECT_GT(most, 0.2);
+}
+
 TEST_F(ViewerTest, ABusyClientGetsTheMapLaterAndOldScansNever) {
   const auto quick = open();
   const auto busy = open();

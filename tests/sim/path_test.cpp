@@ -150,6 +150,28 @@ TEST(Drive, TheSameSeedGivesTheSameDrive) {
   EXPECT_NE(a[0].T_world_laser.x, c[0].T_world_laser.x);
 }
 
+TEST(Drive, OneRoundIsTheBeginningOfALongerTour) {
+  const World world = make_world(WorldKind::kFlat, 2);
+  LidarOptions lidar;
+  lidar.beams = 8;
+  PathOptions options;
+  Drive round(world, lidar, Path(world, options, 3), {}, 4);
+  options.duration_s = round.path().duration() + 60.0;
+  Drive longer(world, lidar, Path(world, options, 3), {}, 4);
+  ASSERT_GT(longer.size(), round.size() + 100);
+  while (const auto scan = round.next()) {
+    const auto same = longer.next();
+    ASSERT_TRUE(same);
+    ASSERT_EQ(scan->entry.scan.stamp, same->entry.scan.stamp);
+    ASSERT_EQ(scan->T_world_laser.x, same->T_world_laser.x);
+    ASSERT_EQ(scan->entry.scan.states, same->entry.scan.states);
+    for (std::size_t i = 0; i < scan->entry.scan.size(); ++i) {
+      if (!scan->entry.scan.is_hit(i)) continue;
+      ASSERT_EQ(scan->entry.scan.ranges[i], same->entry.scan.ranges[i]);
+    }
+  }
+}
+
 TEST(Drive, OdometryWithoutErrorsIsTheTruth) {
   const World world = make_world(WorldKind::kFlat, 2);
   PathOptions options;

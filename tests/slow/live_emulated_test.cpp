@@ -86,6 +86,14 @@ TEST(Emulated, APseudoTerminalGivesTheWayOfTheSensor) {
   EXPECT_THAT(got.live.err, ::testing::HasSubstr("closed at the other end"));
 }
 
+TEST(Emulated, DatagramsGiveTheWayAsWell) {
+  const LiveRun got = run("rplidar-t1", 6, {}, {"--sensor", "rplidar-t1"});
+  EXPECT_EQ(got.live.code, 130) << got.live.err;
+  EXPECT_THAT(got.live.err, ::testing::HasSubstr("udp:127.0.0.1:"));
+  EXPECT_GT(got.lines.size(), 40U);
+  EXPECT_LT(rms_error(got), 0.03);
+}
+
 TEST(Emulated, TheSensorIsFoundByAsking) {
   const LiveRun got = run("rplidar-a1", 8);
   EXPECT_EQ(got.live.code, 130) << got.live.err;

@@ -25,7 +25,10 @@ constexpr std::size_t kMostWaiting = 256;  // updates that the caller has not ta
 class PyLive {
  public:
   PyLive(std::unique_ptr<live::LiveSource> source, MappingOptions options)
-      : source_(std::move(source)), slam_(std::move(options), Schedule::kLatest, true), thread_([this] { work(); }) {}
+      : source_(std::move(source)),
+        slam_(std::move(options), Schedule::kLatest, true),
+        map_(slam_.slam.map()),
+        thread_([this] { work(); }) {}
   ~PyLive() { close(); }
   PyLive(const PyLive&) = delete;
   PyLive& operator=(const PyLive&) = delete;
@@ -53,7 +56,15 @@ class PyLive {
     const std::lock_guard lock(mutex_);
     return {messages_.begin(), messages_.end()};
   }
-  TrinaryMap map() const { return slam_.slam.map()->draw(); }
+  /// As of the newest scan that was handed on: SLAM itself belongs to its thread.
+  TrinaryMap map() {
+    std::shared_ptr<const MapSnapshot> map;
+    {
+      const std::lock_guard lock(mutex_);
+      map = map_;
+    }
+    return map->draw();
+  }
   bool ended() {
     const std::lock_guard lock(mutex_);
     return ended_;
@@ -77,6 +88,7 @@ class PyLive {
     const std::lock_guard lock(mutex_);
     if (updates_.size() == kMostWaiting) updates_.pop_front();
     updates_.push_back(update);
+    if (update.map) map_ = update.map;
     changed_.notify_all();
   }
   void tell(const std::string& text) {
@@ -90,6 +102,7 @@ class PyLive {
   std::atomic<bool> stop_{false};
   std::mutex mutex_;
   std::condition_variable changed_;
+  std::shared_ptr<const MapSnapshot> map_;
   std::deque<live::LiveUpdate> updates_;
   std::deque<std::string> messages_;
   std::exception_ptr failure_;
