@@ -15,12 +15,13 @@ constexpr float kChangedM = 0.1F;                    // [m] beyond that the rang
 constexpr double kChangedShare = 0.15;               // of the directions: the robot moved, or much moved around it
 constexpr double kLeastMoveM = 0.15, kLeastMoveRad = 0.12;  // [m], [rad] of a pair that tells something
 constexpr int kWaitScans = 3;                               // until a pair that moved less is tried again
+constexpr int kDifferedOnce = -1;                           // `wait` when the scan before differed from the reference
 constexpr double kThroughM = 0.12;  // [m] a scan looked through a place if it saw so much farther
 // Pairs until it is decided, and where something is suspect; and matches tried for them.
 constexpr std::size_t kPairs = 12, kMostPairs = 40, kMostTries = 80;
 // A direction belongs to the body if its range was the same in this share of the pairs, and contradicts the scene in so
-// many of them; most directions of a run need the first alone.
-constexpr double kSameShareOfPairs = 0.85;
+// many of them; most directions of a run need the first alone. One bad scan spoils two of a dozen pairs.
+constexpr double kSameShareOfPairs = 0.8;
 constexpr std::uint16_t kContradicted = 3;
 constexpr int kLeastBins = 3;  // in a row
 constexpr int kEdgeBins = 1;   // beside it: beams that meet its edge
@@ -174,7 +175,17 @@ bool OwnBody::add(const Scan& scan, OwnBodyState& state) {
   Bins before, now;
   fill_bins(*state.reference, before);
   fill_bins(scan, now);
-  if (share_changed(before, now) < kChangedShare) return false;
+  // A single scan that differs is one with lost packets or a wrong start angle more often than one that moved: what
+  // differs twice in a row has moved.
+  if (share_changed(before, now) < kChangedShare) {
+    state.wait = 0;
+    return false;
+  }
+  if (state.wait != kDifferedOnce) {
+    state.wait = kDifferedOnce;
+    return false;
+  }
+  state.wait = 0;
   std::array<bool, kBodyBins> same{};
   for (std::size_t k = 0; k < kBodyBins; ++k) same[k] = is_same(before[k], now[k]);
   const MatchResult match = matcher_.match(without_bins(*state.reference, same), without_bins(scan, same));

@@ -50,7 +50,7 @@ struct OwnBodyState {
   std::array<BodyVotes, kBodyBins> votes{};
   std::optional<Scan> reference;  ///< the first scan of the next pair
   std::size_t pairs = 0, tried = 0;
-  int wait = 0;                     ///< scans to be passed over
+  int wait = 0;                     ///< scans to be passed over; -1: the scan before differed from the reference
   bool decided = false;             ///< the sectors are final
   std::vector<BodySector> sectors;  ///< empty: no body was found
 

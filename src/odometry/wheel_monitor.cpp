@@ -12,6 +12,7 @@ constexpr double kMemory = 0.85;                // weight of the past in the tru
 constexpr double kJumpTrust = 0.5;              // what a jump leaves of it
 // What a step may be off by and still agree: standing [m], [rad], and in share of the motion. Cheap robots' wheels.
 constexpr double kAllowedM = 0.03, kAllowedRad = 0.03, kAllowedShare = 0.25;
+constexpr double kTurningM = 0.01;        // a step of wheels that turn
 constexpr double kLeastReversedM = 0.03;  // shorter steps point nowhere
 
 }  // namespace
@@ -34,7 +35,11 @@ std::optional<Pose2> WheelOdometryMonitor::step(const std::optional<Pose2>& T_od
 WheelConsistency WheelOdometryMonitor::judge(const Pose2& wheel_step, const Pose2& found_step,
                                              const Eigen::Matrix2d& uncertainty) {
   ++counts.steps;
-  const double distance = std::hypot(found_step.x, found_step.y);
+  const double distance = std::hypot(found_step.x, found_step.y), turned = std::hypot(wheel_step.x, wheel_step.y);
+  if (turned > kTurningM) {
+    counts.wheels_m += turned;
+    counts.scans_m += distance;
+  }
   const double allowed_m = kAllowedM + kAllowedShare * distance,
                allowed_rad = kAllowedRad + kAllowedShare * std::abs(found_step.theta);
   // How far off, as far as the scans can tell: along a bare corridor they cannot.

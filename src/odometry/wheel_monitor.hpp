@@ -7,6 +7,7 @@
 
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/odometry/odometry.hpp"
+#include "state/fields.hpp"
 
 namespace phasescan {
 
@@ -36,6 +37,8 @@ struct WheelOdometryMonitor {
     v("reversed", self.counts.reversed);
     v("slipped", self.counts.slipped);
     v("jumped", self.counts.jumped);
+    visit_since(v, 4, "wheels_m", self.counts.wheels_m);
+    visit_since(v, 4, "scans_m", self.counts.scans_m);
   }
 };
 

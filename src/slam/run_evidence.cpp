@@ -61,6 +61,8 @@ void count_loops_and_wheels(const SlamResult& result, RunEvidence& e) {
   e.wheels_slipped = share(static_cast<double>(wheels.slipped), steps);
   e.wheels_reversed = share(static_cast<double>(wheels.reversed), steps);
   e.wheels_jumped = share(static_cast<double>(wheels.jumped), e.scans);
+  e.wheels_way_m = wheels.wheels_m;
+  e.wheels_seen_m = wheels.scans_m;
 }
 
 /// Mean of the share of the largest that kTailShare is, of at least one: an extreme of many would grow with the run.

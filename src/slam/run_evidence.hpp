@@ -59,6 +59,7 @@ struct RunEvidence {
   double degraded_unconfirmed = 0;  ///< degraded, no wheels, and few loops
   double degraded_bent = 0;  ///< degraded times step_chi2_tail, no wheels: the graph bends what wide searches found
   // Wheels: steps for each scan, and shares of the steps.
+  double wheels_way_m = 0, wheels_seen_m = 0;  ///< way while they turned: by their account, and by the scans
   double wheels = 0, wheels_agreed = 0, wheels_slipped = 0, wheels_reversed = 0, wheels_jumped = 0;
   // The map against its own scans.
   MapCheck map;
@@ -66,6 +67,13 @@ struct RunEvidence {
   double body_sectors = 0;  ///< in which the robot itself was found
   // Where to look: scans of the result, -1: nowhere. No part of the evidence.
   ScanId contradicted_scan = -1, gap_scan = -1, wheels_scan = -1, doubted_scan = -1;
+
+  /// Wheels turned for twice the way on the map and a metre more. They may have slipped all the time; but a robot that
+  /// is in its own view, or sees what moves along with it, stands still on its map as well.
+  bool wheels_went_on() const {
+    constexpr double kTimes = 2.0, kMoreM = 1.0;
+    return wheels_way_m > kTimes * wheels_seen_m + kMoreM;
+  }
 
   /// Calls v(name, number) for each.
   template <class Self, class Visitor>
@@ -103,6 +111,8 @@ struct RunEvidence {
     v("jump", self.jump);
     v("jump_ratio", self.jump_ratio);
     v("turn_jump", self.turn_jump);
+    v("wheels_way_m", self.wheels_way_m);
+    v("wheels_seen_m", self.wheels_seen_m);
     v("wheels", self.wheels);
     v("wheels_agreed", self.wheels_agreed);
     v("wheels_slipped", self.wheels_slipped);

@@ -70,6 +70,10 @@ RunFinding wheels(const SlamResult& result, const RunEvidence& evidence) {
   finding.count = off;
   finding.what =
       "wheels and scans disagree in " + std::to_string(off) + " of " + std::to_string(counts.steps) + " steps";
+  if (evidence.wheels_went_on()) {
+    finding.what = "the wheels drove " + number(evidence.wheels_way_m, 1) + " m where the scans show " +
+                   number(evidence.wheels_seen_m, 1) + " m; is the robot in its own view?";
+  }
   return at_scan(result, std::move(finding), evidence.wheels_scan);
 }
 

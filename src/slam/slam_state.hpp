@@ -53,6 +53,8 @@ struct EarlierSessions {
     wheels.reversed += more.wheels.reversed;
     wheels.slipped += more.wheels.slipped;
     wheels.jumped += more.wheels.jumped;
+    wheels.wheels_m += more.wheels.wheels_m;
+    wheels.scans_m += more.wheels.scans_m;
     deskewing_refuted = deskewing_refuted || more.deskewing_refuted;
   }
   void add(const OdometryState& end) { add(EarlierSessions{end.motion.wheels.counts, end.deskew_test.refuted()}); }

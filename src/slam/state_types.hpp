@@ -72,6 +72,8 @@ struct StateFields<WheelCounts> {
     v("reversed", self.reversed);
     v("slipped", self.slipped);
     v("jumped", self.jumped);
+    visit_since(v, 4, "wheels_m", self.wheels_m);
+    visit_since(v, 4, "scans_m", self.scans_m);
   }
 };
 

@@ -11,6 +11,8 @@ namespace {
 constexpr double kGood = 0.95, kFailed = 0.2;               // probabilities
 constexpr double kLeastOnMap = 0.5;                         // share of the scans with a return
 constexpr double kLeastInParts = 0.25, kMostInParts = 0.9;  // of a run in parts: doubtful, whatever each part is worth
+constexpr double kMostWhereWheelsWentOn = 0.9;              // doubtful, however well the scans agree with each other
+constexpr double kForemost = 100.0;                         // against: the first of the reasons
 constexpr double kSurest = 0.999;  // no run is surer than as many runs as it was fitted on can show
 
 /// Adds weight * log(1 + (number / scale)^2) to the log-odds that the map is right.
@@ -55,20 +57,24 @@ Judgement judge_run(const RunEvidence& evidence, bool in_parts) {
   Judgement judgement;
   std::map<std::string, double>& numbers = judgement.verdict.evidence;
   RunEvidence::visit(evidence, [&numbers](const std::string& name, double value) { numbers[name] = value; });
+  const auto weight_of = [&weights = judgement.weights](const char* kind) -> double& {
+    auto known = std::find_if(weights.begin(), weights.end(), [kind](const auto& w) { return w.kind == kind; });
+    if (known == weights.end()) known = weights.insert(known, {kind, 0.0});
+    return known->against;
+  };
   double log_odds = kConstant;
   for (const Feature& feature : kFeatures) {
     const double ratio = numbers.at(feature.number) / feature.scale;
     const double part = feature.weight * std::log1p(ratio * ratio);
     log_odds += part;
-    auto& weights = judgement.weights;
-    auto known = std::find_if(weights.begin(), weights.end(), [&](const auto& w) { return w.kind == feature.kind; });
-    if (known == weights.end()) known = weights.insert(known, {feature.kind, 0.0});
-    known->against -= part;
+    weight_of(feature.kind) -= part;
   }
+  if (evidence.wheels_went_on()) weight_of("wheels") += kForemost;
   std::stable_sort(judgement.weights.begin(), judgement.weights.end(),
                    [](const ReasonWeight& a, const ReasonWeight& b) { return a.against > b.against; });
   double& probability = judgement.verdict.probability;
   probability = std::clamp(1.0 / (1.0 + std::exp(-log_odds)), 1.0 - kSurest, kSurest);
+  if (evidence.wheels_went_on()) probability = std::min(probability, kMostWhereWheelsWentOn);
   if (in_parts) {
     probability = std::clamp(probability, kLeastInParts, kMostInParts);
   } else if (evidence.on_map < kLeastOnMap) {

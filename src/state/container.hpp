@@ -8,7 +8,7 @@
 
 namespace phasescan {
 
-inline constexpr std::uint32_t kStateFileVersion = 3;  ///< written; files of this one and all before are read
+inline constexpr std::uint32_t kStateFileVersion = 4;  ///< written; files of this one and all before are read
 
 struct StateSection {
   std::string name;              ///< at most 16 letters

@@ -202,6 +202,23 @@ TEST(OwnBody, SectorsAreThoseOfTheBody) {
   }
 }
 
+TEST(OwnBody, ScansWithAWrongStartAngleDoNotHideTheBody) {
+  for (const std::uint64_t seed : {43u, 48u, 49u}) {
+    Log log = flat(seed, 500);
+    Random random(seed);
+    for (Scan& scan : log.scans) {
+      add_body(scan, deg_to_rad(80.0), deg_to_rad(-140.0), 0.4F);
+      if (random.uniform() < 0.05) turn(scan, 40 + static_cast<std::size_t>(60.0 * random.uniform()));
+    }
+    OwnBody own_body;
+    OwnBodyState state;
+    for (const Scan& scan : log.scans) own_body.add(scan, state);
+    ASSERT_EQ(state.sectors.size(), 1u) << seed << " " << format_sectors(state.sectors);
+    EXPECT_NEAR(rad_to_deg(state.sectors[0].from), 80.0, 4.0);
+    EXPECT_NEAR(rad_to_deg(state.sectors[0].to), -140.0, 4.0);
+  }
+}
+
 TEST(OwnBody, ARobotThatIsNotInItsViewHasNoSectors) {
   for (const std::uint64_t seed : {44u, 45u, 46u}) {
     const Log log = flat(seed, 500);

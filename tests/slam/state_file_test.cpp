@@ -163,6 +163,18 @@ TEST(StateFile, AFileOfTheFirstVersionIsRead) {
   EXPECT_TRUE(to_bytes(again.state.data()) == to_bytes(run.state.data()));
 }
 
+// Two drives through a flat, 33 scans with wheels and 33 without, `slam --beam-step 4`.
+TEST(StateFile, AFileOfTheThirdVersionIsRead) {
+  const SavedRun run = read_state(test::source_dir() + "/tests/data/state-v3.state");
+  EXPECT_EQ(run.version, 3u);
+  EXPECT_EQ(summarize(run.state).scans, 66u);
+  EXPECT_EQ(summarize(run.state).drives, 2);
+  const SlamResult result = Slam(run.state, run.options).finish();
+  ASSERT_EQ(result.scans.size(), 66u);
+  EXPECT_EQ(result.wheels.steps, 32u);
+  EXPECT_EQ(result.wheels.wheels_m, 0.0);  // came with version 4
+}
+
 // Two drives through a room, 27 scans with wheels and 16 without, `slam --beam-step 4`.
 TEST(StateFile, AFileOfTheSecondVersionIsRead) {
   const SavedRun run = read_state(test::source_dir() + "/tests/data/state-v2.state");

@@ -75,6 +75,16 @@ TEST(Verdict, ARunOfWhichHalfIsOnNoMapHasFailed) {
   EXPECT_LE(judge_run(e, false).verdict.probability, 0.2);
 }
 
+TEST(Verdict, WheelsThatGoOnWhereTheScansStandLeaveARunDoubtful) {
+  RunEvidence e = faultless();
+  e.wheels_way_m = 9.8, e.wheels_seen_m = 1.6;
+  const Judgement judged = judge_run(e, false);
+  EXPECT_EQ(judged.verdict.verdict, Verdict::kDoubtful);
+  EXPECT_EQ(judged.weights.front().kind, "wheels");
+  e.wheels_seen_m = 6.0;
+  EXPECT_EQ(judge_run(e, false).verdict.verdict, Verdict::kGood) << "they slip, as on any floor";
+}
+
 TEST(Verdict, ARunInPartsIsDoubtfulWhateverEachIsWorth) {
   RunEvidence e = faultless();
   EXPECT_EQ(judge_run(e, true).verdict.verdict, Verdict::kDoubtful);

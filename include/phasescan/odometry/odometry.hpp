@@ -34,6 +34,8 @@ enum class WheelConsistency { kNone, kAgrees, kReversed, kSlips };
 /// Steps of wheel odometry so far, by what became of them; jumps are steps that no robot makes.
 struct WheelCounts {
   std::size_t steps = 0, agreed = 0, reversed = 0, slipped = 0, jumped = 0;
+  /// Ways over the steps in which wheels turned: by their own account, and as the scans were matched [m].
+  double wheels_m = 0.0, scans_m = 0.0;
 };
 
 struct TrackingDiagnostics {
