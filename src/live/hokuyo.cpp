@@ -15,7 +15,9 @@
 namespace phasescan::live {
 namespace {
 
-constexpr std::size_t kLongestLine = 128;  // of text: echoes and parameters; data lines have 65
+// Of text: echoes and parameters. Data lines have 65, two whose end is lost between them 130.
+constexpr std::size_t kLongestLine = 132;
+constexpr std::size_t kMostMissing = 2;  // bytes of a line; with more of them it could be another
 constexpr char kHole = '\0';
 constexpr std::size_t kMostBlock = 32768;  // 1,440 steps of range and intensity are 9 kB
 
@@ -95,8 +97,8 @@ class HokuyoDecoder final : public StreamDecoder {
   }
 
   /// The data of a block: a stamp, and what its lines hold joined. Each line has a sum of its own: one that is wrong
-  /// leaves a hole. False where the stamp is wrong, where lines have other lengths than the ranges asked for make them,
-  /// or where most are wrong.
+  /// leaves a hole, and so does one that lacks bytes or its end. False where the stamp is wrong, where lines have other
+  /// lengths than the ranges asked for make them, or where most are wrong.
   bool join(std::string_view rest, std::size_t characters, std::uint32_t& ms) {
     data_.clear();
     const auto is_right = [](std::string_view line) {
@@ -110,11 +112,21 @@ class HokuyoDecoder final : public StreamDecoder {
     std::size_t lost = 0;
     while (data_.size() < characters) {
       const std::string_view line = next_line(rest);
-      const std::size_t size = std::min(scip::kLine, characters - data_.size());
-      if (line.size() != size + 1) return false;
-      const bool right = is_right(line);
-      if (!right) lost += size;
-      right ? data_.append(line.substr(0, size)) : data_.append(size, kHole);
+      std::size_t size = std::min(scip::kLine, characters - data_.size());
+      if (line.size() == size + 1 && is_right(line)) {
+        data_.append(line.substr(0, size));
+        continue;
+      }
+      const std::size_t second = std::min(scip::kLine, characters - data_.size() - size);
+      const auto lacks_few = [&](std::size_t whole) {
+        return line.size() <= whole && line.size() + kMostMissing >= whole;
+      };
+      if (!lacks_few(size + 1)) {
+        if (second == 0 || !lacks_few(size + second + 2)) return false;
+        size += second;
+      }
+      lost += size;
+      data_.append(size, kHole);
     }
     return next_line(rest).empty() && 2 * lost <= characters;
   }

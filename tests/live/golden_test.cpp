@@ -255,6 +255,30 @@ TEST(Golden, Hokuyo) {
   EXPECT_TRUE(got.beams[21].ends_turn);
 }
 
+TEST(Golden, AByteThatHokuyoLosesCostsItsLineAlone) {
+  std::vector<std::string> lines;
+  for (const char* text : {"DMIN:20", "DMAX:5600", "ARES:1024", "AMIN:44", "AMAX:725", "AFRT:384", "SCAN:600"})
+    lines.push_back(scip_parameter(text));
+  const std::string parameters = scip_answer("PP", "00", lines);
+  std::vector<WireSample> samples;
+  for (int i = 0; i < 100; ++i) samples.push_back({1000.0 + 7 * i});
+  const std::string block = scip_scan("MD0384048301000", "99", 1234, samples);
+  std::size_t data = 0;  // after echo, status and stamp
+  for (int line = 0; line < 3; ++line) data = block.find('\n', data) + 1;
+  for (std::size_t gone = data; gone + 2 < block.size(); ++gone) {
+    const auto decoder = decoder_of("hokuyo");
+    decode(*decoder, parameters);
+    std::string damaged = block;
+    damaged.erase(gone, 1);
+    const Decoded got = decode(*decoder, damaged);
+    EXPECT_GE(got.beams.size(), 100U - 44U) << gone;  // two lines hold 43 ranges at most
+    for (const Beam& beam : got.beams) {
+      const double step = beam.angle * 1024 / kTwoPi;
+      ASSERT_NEAR(mm(beam), 1000.0 + 7 * std::round(step), 1e-2) << gone;
+    }
+  }
+}
+
 TEST(Golden, Sick) {
   const auto decoder = decoder_of("sick-tim");
   // A scale of 2 (40000000), from -45 deg (FFF92230) in steps of 90 deg in hundredths: ahead is 90 deg.
