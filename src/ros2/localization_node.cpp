@@ -204,6 +204,7 @@ void LocalizationNode::save_pose(Stamp stamp, Stamp now, bool at_once) {
 
 void LocalizationNode::tick(Stamp now) {
   if (lifecycle_ != Lifecycle::kActive || !due(last_diagnostics_, now, kDiagnosticsPeriod_s)) return;
+  if (!last_heard_) last_heard_ = now;  // it has just begun to listen
   if (due(last_heard_, now, kNoScans_s)) {
     told_.note(
         Trouble::kNoScans, now,

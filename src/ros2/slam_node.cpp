@@ -190,6 +190,7 @@ void SlamNode::tick(Stamp now) {
   if (lifecycle_ != Lifecycle::kActive) return;
   if (due(last_transform_, now, setup_.node.transform_publish_period)) publish_transform(now);
   if (!due(last_diagnostics_, now, kDiagnosticsPeriod_s)) return;
+  if (!last_heard_) last_heard_ = now;  // it has just begun to listen
   if (due(last_heard_, now, kNoScans_s) && !paused_) {
     told_.note(
         Trouble::kNoScans, now,

@@ -239,6 +239,7 @@ TEST_F(Node, NoScansAreStale) {
   start();
   for (int i = 0; i < 50; ++i) node->tick(at(0.1 * i));
   ASSERT_EQ(out.reports.size(), 5U);
+  EXPECT_EQ(out.reports.front().status.at(0).level, DiagnosticStatus::kOk);  // it has just begun to listen
   EXPECT_EQ(out.reports.back().status.at(0).level, DiagnosticStatus::kStale);
   EXPECT_EQ(out.reports.back().status.at(0).name, "amcl: phasescan");
 }

@@ -252,6 +252,7 @@ TEST(SlamNodeTest, SilenceIsTold) {
   node.activate();
   for (int i = 0; i < 100; ++i) node.tick(at(0.05 * i));
   ASSERT_EQ(out.reports.size(), 5U);
+  EXPECT_EQ(out.reports.front().status.at(0).level, DiagnosticStatus::kOk);  // it has just begun to listen
   EXPECT_EQ(out.reports.back().status.at(0).level, DiagnosticStatus::kStale);
   EXPECT_TRUE(out.transform_list.empty());
 }

@@ -159,6 +159,8 @@ TEST_P(Hostile, UpAndDownWhileScansCome) {
 }
 
 TEST_P(Hostile, NothingComes) {
+  ASSERT_TRUE(tester->wait([&] { return !reports->messages.empty(); }));
+  EXPECT_FALSE(named(*reports, "no_scans"));  // it has just begun to listen
   expect_named("no_scans");
 }
 

@@ -164,15 +164,18 @@ TEST_F(LocalizationNodeRun, KilledAndStartedAgainItGoesOn) {
   poses->messages.clear();
   const auto begun = std::chrono::steady_clock::now();
   start(parameters);
-  double took_s = 0.0;
+  const double up_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  double took_s = 0.0, cpu_s = 0.0;
   for (std::size_t i = 62; i < 82; ++i) {
     robot.step(i, Robot::stamp(0.1 * static_cast<double>(i)));
     tester.wait([&] { return !poses->messages.empty(); }, 0.1);
-    if (!poses->messages.empty() && took_s == 0.0)
-      took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    if (poses->messages.empty() || took_s > 0.0) continue;
+    took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    cpu_s = process->cpu_s();
   }
   ASSERT_GT(took_s, 0.0);
-  std::printf("from the start of the process to its first pose: %.2f s\n", took_s);
+  std::printf("started again: active after %.2f s, a pose after %.2f s, of which its own CPU time %.2f s\n", up_s,
+              took_s, cpu_s);
   EXPECT_LT(took_s, kMostOnABusyMachine_s);
   EXPECT_LT(translation_distance(last_pose(), robot.pose_at(to_stamp(poses->messages.back().header.stamp))), 0.15);
 }
