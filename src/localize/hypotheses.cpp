@@ -10,18 +10,28 @@ namespace {
 constexpr double kCarriedAway = 6.0;  // of log-likelihood: a robot is seldom where nothing led to
 // A place in a room that the map has not explains half of most scans, and 0.7 of those of a room that looks like one of
 // the map's. Where odometry contradicts a pose, that is what it is: robots drive more often than they are carried. What
-// odometry leads to is right although half of what is seen is new.
-constexpr double kNeutralThere = 0.45, kNeutralExplained = 0.58, kNeutralElsewhere = 0.75, kPerShare = 40.0;
+// odometry leads to is right although much of what is seen is new; what lies where the map knows nothing says nothing.
+constexpr double kNeutralThere = 0.5, kNeutralExplained = 0.58, kNeutralElsewhere = 0.75, kPerShare = 40.0;
 constexpr double kMostOfView = 8.0, kMostAlone = 4.0;
+constexpr double kLeastAhead = -16.0;  // of none: about two metres of good views make up for it
+constexpr double kUnknownLog = 2.3;   // of a hit, less than that of one that nothing explains: one in two instead of 20
 constexpr double kDriftShare = 0.05;  // of the way, that odometry may be off by
 
 }  // namespace
 
 double evidence_of_view(const MapFit& fit, Led led) {
-  const double neutral = led == Led::kThere       ? kNeutralThere
+  const double neutral = led == Led::kThere       ? kNeutralThere * (1.0 - fit.unknown)
                          : led == Led::kElsewhere ? kNeutralElsewhere
                                                   : kNeutralExplained;
   return std::clamp(kPerShare * (fit.explained - 0.5 * fit.contradicting - neutral), -kMostOfView, kMostOfView);
+}
+
+double log_likelihood_where_led(const MapFit& fit) {
+  return fit.log_likelihood + kUnknownLog * fit.unknown * static_cast<double>(fit.hits);
+}
+
+double explained_of_known(const MapFit& fit) {
+  return fit.unknown < 1.0 ? fit.explained / (1.0 - fit.unknown) : 0.0;
 }
 
 void HypothesisSet::forget_way() {
@@ -29,8 +39,17 @@ void HypothesisSet::forget_way() {
   looks = 0;
 }
 
-double HypothesisSet::found_ahead(Led led) const {
-  return led == Led::kThere || looks < kFirstLooks ? kFoundWhereLed : kFoundElsewhere;
+double HypothesisSet::found_ahead(const FoundPose& pose, Led led) const {
+  const double found = led == Led::kThere       ? kFoundWhereLed
+                       : led == Led::kElsewhere ? kFoundElsewhere
+                       : looks < kFirstLooks    ? kFoundFirst
+                                                : kFoundAgain;
+  return std::clamp(found + pose.of_past, kLeastAhead, kMostMargin);
+}
+
+double HypothesisSet::log_likelihood(const FoundPose& pose, const Pose2& T_odom_base) const {
+  return led(pose.T_grid_base, T_odom_base) == Led::kThere ? log_likelihood_where_led(pose.fit)
+                                                           : pose.fit.log_likelihood;
 }
 
 Led HypothesisSet::led(const Pose2& T_grid_base, const Pose2& T_odom_base) const {
@@ -44,7 +63,7 @@ Led HypothesisSet::led(const Pose2& T_grid_base, const Pose2& T_odom_base) const
 void HypothesisSet::see(const Pose2& T_odom_base, double least_margin) {
   for (Hypothesis& h : all) {
     const double evidence = evidence_of_view(h.at.fit, led(h.at.T_grid_base, T_odom_base));
-    h.ahead_of_none = std::clamp(h.ahead_of_none + evidence, 0.0, kMostMargin);
+    h.ahead_of_none = std::clamp(h.ahead_of_none + evidence, kLeastAhead, kMostMargin);
   }
   if (all.size() != 1) return;
   const double more = std::clamp(evidence_of_view(all.front().at.fit, Led::kUnknown), 0.0, kMostAlone);
@@ -54,7 +73,7 @@ void HypothesisSet::see(const Pose2& T_odom_base, double least_margin) {
 double HypothesisSet::margin() const {
   if (all.empty()) return 0.0;
   const double to_next = all.size() == 1 ? margin_alone : std::min(all[0].weight - all[1].weight, kMostMargin);
-  return std::min(to_next, all.front().ahead_of_none);
+  return std::max(0.0, std::min(to_next, all.front().ahead_of_none));
 }
 
 void HypothesisSet::restart(const std::vector<FoundPose>& found, const Pose2& T_odom_base, double keep_gap,
@@ -62,31 +81,32 @@ void HypothesisSet::restart(const std::vector<FoundPose>& found, const Pose2& T_
   const std::vector<Hypothesis> followed = std::move(all);
   all.clear();
   for (const FoundPose& pose : found) {
-    double ahead = followed.empty() ? kMostMargin : found_ahead(led(pose.T_grid_base, T_odom_base));
+    double ahead = found_ahead(pose, led(pose.T_grid_base, T_odom_base));
     for (const Hypothesis& h : followed) {
       if (!is_apart(h.T_grid_odom * T_odom_base, pose.T_grid_base)) ahead = std::max(ahead, h.ahead_of_none);
     }
-    all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose, pose.fit.log_likelihood, ahead});
+    all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose, log_likelihood(pose, T_odom_base), ahead});
   }
   ++looks;
-  margin_alone = found.size() > 1 ? found[0].fit.log_likelihood - found[1].fit.log_likelihood : kMostMargin;
+  margin_alone = kMostMargin;
   prune(keep_gap, most);
 }
 
 void HypothesisSet::merge(const std::vector<FoundPose>& found, const Pose2& T_odom_base, double keep_gap,
                           std::size_t most) {
   if (all.empty()) return restart(found, T_odom_base, keep_gap, most);
-  const double weight = all.front().weight, likelihood = all.front().at.fit.log_likelihood;
+  const double weight = all.front().weight, likelihood = log_likelihood(all.front().at, T_odom_base);
   for (const FoundPose& pose : found) {
     const auto same = std::find_if(all.begin(), all.end(),
                                    [&](const Hypothesis& h) { return !is_apart(h.at.T_grid_base, pose.T_grid_base); });
     if (same == all.end()) {
       all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose,
-                     weight + pose.fit.log_likelihood - likelihood - kCarriedAway,
-                     found_ahead(led(pose.T_grid_base, T_odom_base))});
+                     weight + log_likelihood(pose, T_odom_base) - likelihood - kCarriedAway,
+                     found_ahead(pose, led(pose.T_grid_base, T_odom_base))});
     } else if (&pose == &found.front()) {  // what is followed is also what a search finds
       const Led how = led(pose.T_grid_base, T_odom_base);
-      if (evidence_of_view(pose.fit, how) > 0.0) same->ahead_of_none = std::max(same->ahead_of_none, found_ahead(how));
+      if (evidence_of_view(pose.fit, how) > 0.0)
+        same->ahead_of_none = std::max(same->ahead_of_none, found_ahead(pose, how));
     }
   }
   ++looks;

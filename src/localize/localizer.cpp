@@ -9,6 +9,7 @@
 #include "localize/likelihood.hpp"
 #include "localize/locate.hpp"
 #include "localize/map_data.hpp"
+#include "localize/past_views.hpp"
 #include "localize/pose_confidence.hpp"
 #include "odometry/information.hpp"
 
@@ -29,7 +30,8 @@ constexpr int kLostAfterScans = 10;
 constexpr double kStepM = 0.01, kStepRad = 0.005, kStepShare = 0.1;
 constexpr int kSearchEveryScans = 5;  // while lost
 
-constexpr double kNever = 1e9;
+constexpr std::size_t kLastViews = 4;  // that a pose which odometry contradicts must explain
+
 constexpr double kFollowedM = 10.0;    // a pose that was ok and was followed since is not lost for so long
 constexpr double kKnownM = 30.0;       // of way, that odometry alone tells where the robot is not
 constexpr double kVerifyEveryM = 5.0;  // a pose that is ok is compared with the whole map
@@ -47,6 +49,7 @@ bool broke(const OdometryUpdate& odometry) {
 
 struct State {
   HypothesisSet set;
+  PastViews past;
   std::optional<PoseEstimate> given;  ///< by initialize, for the next scan
   Pose2 T_odom_last, T_odom_view;
   double way_since_search = 0.0;
@@ -54,7 +57,6 @@ struct State {
   Stamp poor_since = 0;
   int poor_scans = 0;
   int scans_since_search = 0;
-  double way_since_ok = kNever;  ///< along one hypothesis
   bool located = false;
   ScanId scans = 0;
 };
@@ -73,9 +75,13 @@ struct Localizer::Impl {
   LocalizationUpdate add(const RangeMeasurement& measurement);
   void take_given(const QueryScan& query, const Pose2& T_odom_base);
   void track(const QueryScan& query, const OdometryUpdate& odometry_update, bool new_view);
+  double explained_share(const Pose2& T_odom_base) const;
+  bool explains_past(FoundPose& pose, const Pose2& T_odom_base) const;
+  std::vector<FoundPose> find(const QueryScan& query, const Pose2& T_odom_base);
   bool fits_poorly(const OdometryUpdate& odometry_update) const;
   bool wants_search(bool poor, TrackingStatus status) const;
   void search(const QueryScan& query, const Pose2& T_odom_base, bool poor);
+  bool is_followed(const Pose2& T_odom_base) const;
   void judge(bool poor, const RangeMeasurement& measurement, LocalizationUpdate& update);
   std::size_t most() const { return static_cast<std::size_t>(options.max_hypotheses); }
 };
@@ -101,6 +107,7 @@ void Localizer::Impl::take_given(const QueryScan& query, const Pose2& T_odom_bas
                    [](const FoundPose& a, const FoundPose& b) { return a.fit.log_likelihood > b.fit.log_likelihood; });
   found.resize(1);
   state.set.restart(found, T_odom_base, kKeepGap, most());
+  state.set.all.front().ahead_of_none = kFoundWhereLed;
   state.given.reset();
 }
 
@@ -123,16 +130,23 @@ void Localizer::Impl::track(const QueryScan& query, const OdometryUpdate& odomet
     }
     h.at = found;
     h.T_grid_odom = found.T_grid_base * odometry_update.T_odom_base.inverse();
-    if (new_view) h.weight += kViewShare * found.fit.log_likelihood;
+    if (new_view) h.weight += kViewShare * state.set.log_likelihood(found, odometry_update.T_odom_base);
   }
   if (new_view) state.set.see(odometry_update.T_odom_base, options.ambiguous_gap);
   state.set.prune(kKeepGap, most());
 }
 
+/// Of the hits of the last scan; where odometry leads to the pose, of those where the map knows something.
+double Localizer::Impl::explained_share(const Pose2& T_odom_base) const {
+  const FoundPose& best = state.set.all.front().at;
+  return state.set.led(best.T_grid_base, T_odom_base) == Led::kThere ? explained_of_known(best.fit)
+                                                                     : best.fit.explained;
+}
+
 bool Localizer::Impl::fits_poorly(const OdometryUpdate& odometry_update) const {
   if (state.set.empty()) return true;
   if (!(state.set.all.front().ahead_of_none > 0.0)) return true;  // as likely a place that the map has not
-  const double explained = state.set.all.front().at.fit.explained;
+  const double explained = explained_share(odometry_update.T_odom_base);
   return explained < kLeastExplained || explained < kPoorShare * state.usual_explained || broke(odometry_update);
 }
 
@@ -142,20 +156,54 @@ bool Localizer::Impl::wants_search(bool poor, TrackingStatus status) const {
   return state.way_since_search > (status == TrackingStatus::kOk ? kVerifyEveryM : options.search_every_m);
 }
 
+/// Says what the views before say for a pose. @return false where odometry contradicts it and the last views do too
+bool Localizer::Impl::explains_past(FoundPose& pose, const Pose2& T_odom_base) const {
+  const Led how = state.set.led(pose.T_grid_base, T_odom_base);
+  const Pose2 T_grid_odom = pose.T_grid_base * T_odom_base.inverse();
+  pose.of_past = state.past.evidence(map.data().grid, T_grid_odom, how);
+  if (how != Led::kElsewhere) return true;
+  return evidence_of_view(pose.fit, how) + state.past.evidence(map.data().grid, T_grid_odom, how, kLastViews) > 0.0;
+}
+
+/// What a search finds and where odometry leads from the last pose that was ok, likeliest first.
+std::vector<FoundPose> Localizer::Impl::find(const QueryScan& query, const Pose2& T_odom_base) {
+  std::vector<FoundPose> found = search_thoroughly(map.data(), query, options, search_work);
+  if (state.set.known) {
+    const FoundPose led = match_near(map.data(), query, state.set.known->T_grid_odom * T_odom_base);
+    const bool there = state.set.led(led.T_grid_base, T_odom_base) == Led::kThere;
+    const bool new_one = std::all_of(
+        found.begin(), found.end(), [&](const FoundPose& pose) { return is_apart(pose.T_grid_base, led.T_grid_base); });
+    if (there && new_one) found.push_back(led);
+  }
+  std::stable_sort(found.begin(), found.end(), [&](const FoundPose& a, const FoundPose& b) {
+    return state.set.log_likelihood(a, T_odom_base) > state.set.log_likelihood(b, T_odom_base);
+  });
+  while (found.size() > most()) found.pop_back();
+  std::erase_if(found, [&](FoundPose& pose) { return !explains_past(pose, T_odom_base); });
+  return found;
+}
+
 void Localizer::Impl::search(const QueryScan& query, const Pose2& T_odom_base, bool poor) {
-  const std::vector<FoundPose> found = search_thoroughly(map.data(), query, options, search_work);
+  const std::vector<FoundPose> found = find(query, T_odom_base);
   state.way_since_search = 0.0;
   state.scans_since_search = 0;
   if (found.empty()) return;
-  const bool better = state.set.empty() ||
-                      found.front().fit.log_likelihood > state.set.all.front().at.fit.log_likelihood + kClearlyBetter;
+  const auto likely = [&](const FoundPose& pose) { return state.set.log_likelihood(pose, T_odom_base); };
+  const bool better = state.set.empty() || likely(found.front()) > likely(state.set.all.front().at) + kClearlyBetter;
   if (state.set.empty() || (poor && better)) {
     state.set.restart(found, T_odom_base, kKeepGap, most());
-    state.usual_explained = state.set.all.front().at.fit.explained;
+    state.usual_explained = explained_share(T_odom_base);
     state.poor_scans = 0;
   } else {
     state.set.merge(found, T_odom_base, kKeepGap, most());
   }
+}
+
+/// The pose is where odometry leads from one that was ok not long ago, and the map explains some of what is seen.
+bool Localizer::Impl::is_followed(const Pose2& T_odom_base) const {
+  const FoundPose& best = state.set.all.front().at;
+  return state.set.known && state.set.known->way_m < kFollowedM &&
+         state.set.led(best.T_grid_base, T_odom_base) == Led::kThere && explained_of_known(best.fit) > kLeastExplained;
 }
 
 void Localizer::Impl::judge(bool poor, const RangeMeasurement& measurement, LocalizationUpdate& update) {
@@ -169,13 +217,12 @@ void Localizer::Impl::judge(bool poor, const RangeMeasurement& measurement, Loca
   if (poor && state.poor_scans > 0) {
     const bool long_poor =
         state.poor_scans > kLostAfterScans || stamp_to_seconds(measurement.scan.stamp - state.poor_since) > kLostAfterS;
-    update.status = long_poor ? TrackingStatus::kLost : TrackingStatus::kDegraded;
+    update.status = long_poor && !is_followed(update.T_odom_base) ? TrackingStatus::kLost : TrackingStatus::kDegraded;
     update.confidence = std::min(update.confidence, 0.5);
   }
-  if (update.status == TrackingStatus::kLost && !poor && state.way_since_ok < kFollowedM)
+  if (update.status == TrackingStatus::kLost && !poor && is_followed(update.T_odom_base))
     update.status = TrackingStatus::kDegraded;
   if (update.status == TrackingStatus::kOk) {
-    state.way_since_ok = 0.0;
     state.set.known = KnownPlace{state.set.all.front().T_grid_odom, 0.0};
   }
   state.located |= update.status == TrackingStatus::kOk;
@@ -201,14 +248,11 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
               view = state.T_odom_view.inverse() * odom.T_odom_base;
   state.way_since_search += std::hypot(step.x, step.y);
   ++state.scans_since_search;
-  state.way_since_ok += std::hypot(step.x, step.y);
   if (state.set.known) state.set.known->way_m += std::hypot(step.x, step.y);
-  if (broke(odom)) state.set.forget_way();
+  if (broke(odom)) state.set.forget_way(), state.past.clear();
   if (state.set.known && state.set.known->way_m > kKnownM) state.set.known.reset();
   const bool narrow = field_of_view(measurement.scan) < kNarrowRad;
   const bool new_view = std::hypot(view.x, view.y) > kNewViewM || (narrow && std::abs(view.theta) > kNewViewRad);
-  const std::optional<Pose2> followed =
-      state.set.empty() ? std::nullopt : std::optional<Pose2>(state.set.all.front().T_grid_odom);
   if (state.given) {
     take_given(query, odom.T_odom_base);
   } else if (!state.set.empty()) {
@@ -227,13 +271,13 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
     update.searched = true;
     poor = poor && state.poor_scans > 0;
   }
-  if (followed && !state.set.empty() &&
-      is_apart(*followed * odom.T_odom_base, state.set.all.front().T_grid_odom * odom.T_odom_base))
-    state.way_since_ok = kNever;
   if (!poor && !state.set.empty()) {
-    state.usual_explained = kMemory * state.usual_explained + (1.0 - kMemory) * state.set.all.front().at.fit.explained;
+    state.usual_explained = kMemory * state.usual_explained + (1.0 - kMemory) * explained_share(odom.T_odom_base);
   }
-  if (new_view) state.T_odom_view = odom.T_odom_base;
+  if (new_view || state.past.size() == 0) {
+    state.past.add(query.beams, odom.T_odom_base, std::hypot(view.x, view.y));
+    state.T_odom_view = odom.T_odom_base;
+  }
   state.T_odom_last = odom.T_odom_base;
   judge(poor, measurement, update);
   return update;
