@@ -12,18 +12,22 @@ constexpr double kCarriedAway = 6.0;  // of log-likelihood: a robot is seldom wh
 // the map's. Where odometry contradicts a pose, that is what it is: robots drive more often than they are carried. What
 // odometry leads to is right although much of what is seen is new; what lies where the map knows nothing says nothing.
 constexpr double kNeutralThere = 0.5, kNeutralExplained = 0.58, kNeutralElsewhere = 0.75, kPerShare = 40.0;
+// Where the map explained nearly all, half of a scan is little: it is the next room, which only looked the same.
+constexpr double kOfUsual = 0.7;
 constexpr double kMostOfView = 8.0, kMostAlone = 4.0;
+constexpr double kMostOfNew = 4.0;     // of a view for a pose not followed before: rooms look alike for about a metre
 constexpr double kLeastAhead = -16.0;  // of none: about two metres of good views make up for it
 constexpr double kUnknownLog = 2.3;   // of a hit, less than that of one that nothing explains: one in two instead of 20
 constexpr double kDriftShare = 0.05;  // of the way, that odometry may be off by
 
 }  // namespace
 
-double evidence_of_view(const MapFit& fit, Led led) {
-  const double neutral = led == Led::kThere       ? kNeutralThere * (1.0 - fit.unknown)
-                         : led == Led::kElsewhere ? kNeutralElsewhere
-                                                  : kNeutralExplained;
-  return std::clamp(kPerShare * (fit.explained - 0.5 * fit.contradicting - neutral), -kMostOfView, kMostOfView);
+double evidence_of_view(const MapFit& fit, Led led, double usual) {
+  const double neutral =
+      led == Led::kThere ? std::max(kNeutralThere, kOfUsual * usual) * (1.0 - fit.unknown)
+                         : (led == Led::kElsewhere ? kNeutralElsewhere : kNeutralExplained) * (1.0 - 0.5 * fit.unknown);
+  return std::clamp(kPerShare * (fit.explained - 0.5 * fit.contradicting - neutral), -kMostOfView,
+                    led == Led::kThere ? kMostOfView : kMostOfNew);
 }
 
 double log_likelihood_where_led(const MapFit& fit) {
@@ -62,7 +66,7 @@ Led HypothesisSet::led(const Pose2& T_grid_base, const Pose2& T_odom_base) const
 
 void HypothesisSet::see(const Pose2& T_odom_base, double least_margin) {
   for (Hypothesis& h : all) {
-    const double evidence = evidence_of_view(h.at.fit, led(h.at.T_grid_base, T_odom_base));
+    const double evidence = evidence_of_view(h.at.fit, led(h.at.T_grid_base, T_odom_base), usual_explained);
     h.ahead_of_none = std::clamp(h.ahead_of_none + evidence, kLeastAhead, kMostMargin);
   }
   if (all.size() != 1) return;

@@ -22,7 +22,8 @@ struct Hypothesis {
 enum class Led { kUnknown, kThere, kElsewhere };
 
 /// What a view says for a pose against a place that the map has not: below 0 where the map explains too little of it.
-double evidence_of_view(const MapFit& fit, Led led);
+/// @param usual  share explained of late, which counts where odometry leads
+double evidence_of_view(const MapFit& fit, Led led, double usual = 0.0);
 
 /// Log-likelihood of a scan at a pose that odometry leads to: what lies where the map knows nothing does not speak
 /// against it.
@@ -47,6 +48,7 @@ struct HypothesisSet {
   std::vector<Hypothesis> all;
   double margin_alone = 0.0;
   std::optional<KnownPlace> known;
+  double usual_explained = 0.7;
   int looks = 0;  ///< searches since nothing was known, or since odometry broke
 
   /// Odometry broke: the robot may be anywhere.

@@ -20,8 +20,7 @@ class PastViews {
 
   /// What the last of them say for the pose T_grid_odom * T_odom_base against a place that the map has not.
   /// @cost about 10 us a view
-  double evidence(const MapGrid& grid, const Pose2& T_grid_odom, Led led,
-                  std::size_t most_views = kMostViews) const;
+  double evidence(const MapGrid& grid, const Pose2& T_grid_odom, Led led, std::size_t most_views = kMostViews) const;
 
  private:
   struct View {
