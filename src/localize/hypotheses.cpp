@@ -15,7 +15,7 @@ constexpr double kNeutralThere = 0.5, kNeutralExplained = 0.58, kNeutralElsewher
 // Where the map explained nearly all, half of a scan is little: it is the next room, which only looked the same.
 constexpr double kOfUsual = 0.7;
 constexpr double kMostOfView = 8.0, kMostAlone = 4.0;
-constexpr double kMostOfNew = 4.0;     // of a view for a pose not followed before: rooms look alike for about a metre
+constexpr double kMostOfNew = 6.0;     // of a view for a pose not followed before: rooms look alike for about a metre
 constexpr double kLeastAhead = -16.0;  // of none: about two metres of good views make up for it
 constexpr double kUnknownLog = 2.3;   // of a hit, less than that of one that nothing explains: one in two instead of 20
 constexpr double kDriftShare = 0.05;  // of the way, that odometry may be off by
@@ -23,11 +23,12 @@ constexpr double kDriftShare = 0.05;  // of the way, that odometry may be off by
 }  // namespace
 
 double evidence_of_view(const MapFit& fit, Led led, double usual) {
-  const double neutral =
-      led == Led::kThere ? std::max(kNeutralThere, kOfUsual * usual) * (1.0 - fit.unknown)
-                         : (led == Led::kElsewhere ? kNeutralElsewhere : kNeutralExplained) * (1.0 - 0.5 * fit.unknown);
-  return std::clamp(kPerShare * (fit.explained - 0.5 * fit.contradicting - neutral), -kMostOfView,
-                    led == Led::kThere ? kMostOfView : kMostOfNew);
+  const bool there = led == Led::kThere;
+  const double neutral = there                    ? std::max(kNeutralThere, kOfUsual * usual)
+                         : led == Led::kElsewhere ? kNeutralElsewhere
+                                                  : kNeutralExplained;
+  return std::clamp(kPerShare * (fit.explained - 0.5 * fit.contradicting - neutral * (1.0 - fit.unknown)), -kMostOfView,
+                    there ? kMostOfView : kMostOfNew);
 }
 
 double log_likelihood_where_led(const MapFit& fit) {
@@ -48,7 +49,9 @@ double HypothesisSet::found_ahead(const FoundPose& pose, Led led) const {
                        : led == Led::kElsewhere ? kFoundElsewhere
                        : looks < kFirstLooks    ? kFoundFirst
                                                 : kFoundAgain;
-  return std::clamp(found + pose.of_past, kLeastAhead, kMostMargin);
+  // Where odometry leads, the views before have been counted.
+  const double past = led == Led::kThere ? std::min(0.0, pose.of_past) : pose.of_past;
+  return std::clamp(found + past, kLeastAhead, kMostMargin);
 }
 
 double HypothesisSet::log_likelihood(const FoundPose& pose, const Pose2& T_odom_base) const {
@@ -109,7 +112,7 @@ void HypothesisSet::merge(const std::vector<FoundPose>& found, const Pose2& T_od
                      found_ahead(pose, led(pose.T_grid_base, T_odom_base))});
     } else if (&pose == &found.front()) {  // what is followed is also what a search finds
       const Led how = led(pose.T_grid_base, T_odom_base);
-      if (evidence_of_view(pose.fit, how) > 0.0)
+      if (evidence_of_view(pose.fit, how, usual_explained) > 0.0)
         same->ahead_of_none = std::max(same->ahead_of_none, found_ahead(pose, how));
     }
   }

@@ -34,8 +34,8 @@ double explained_of_known(const MapFit& fit);
 /// How far a pose that a search found is ahead of none. The confidence is fitted on single looks: a place that the map
 /// has not may look like one that it has, and many looks find a place that explains a scan by chance. Views of the way
 /// must confirm it, those before the search too. What odometry leads to is more than chance; what it contradicts, less.
-inline constexpr double kFoundFirst = 36.0, kFoundAgain = 30.0, kFoundWhereLed = 52.0, kFoundElsewhere = 10.0;
-inline constexpr int kFirstLooks = 2;
+inline constexpr double kFoundFirst = 34.0, kFoundAgain = 10.0, kFoundWhereLed = 52.0, kFoundElsewhere = 10.0;
+inline constexpr int kFirstLooks = 1;
 
 /// Where a pose that was ok is now by odometry alone, which did not break since.
 struct KnownPlace {

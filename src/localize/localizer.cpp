@@ -86,6 +86,7 @@ struct Localizer::Impl {
   bool fits_poorly(const OdometryUpdate& odometry_update) const;
   bool wants_search(bool poor, TrackingStatus status) const;
   void search(const QueryScan& query, const Pose2& T_odom_base, bool poor);
+  bool explains_enough(const Pose2& T_odom_base) const;
   bool is_followed(const Pose2& T_odom_base) const;
   void judge(bool poor, const RangeMeasurement& measurement, LocalizationUpdate& update);
   std::size_t most() const { return static_cast<std::size_t>(options.max_hypotheses); }
@@ -218,6 +219,12 @@ bool Localizer::Impl::is_followed(const Pose2& T_odom_base) const {
          state.set.led(best.T_grid_base, T_odom_base) == Led::kThere && explained_of_known(best.fit) > kLeastExplained;
 }
 
+/// The map explains no less of the last scan than a place that the map has not would by chance, or than was usual.
+bool Localizer::Impl::explains_enough(const Pose2& T_odom_base) const {
+  const FoundPose& best = state.set.all.front().at;
+  return evidence_of_view(best.fit, state.set.led(best.T_grid_base, T_odom_base), state.set.usual_explained) > 0.0;
+}
+
 void Localizer::Impl::judge(bool poor, const RangeMeasurement& measurement, LocalizationUpdate& update) {
   if (state.set.empty()) {
     update.status = state.located ? TrackingStatus::kLost : TrackingStatus::kInitialising;
@@ -233,6 +240,8 @@ void Localizer::Impl::judge(bool poor, const RangeMeasurement& measurement, Loca
     update.confidence = std::min(update.confidence, 0.5);
   }
   if (update.status == TrackingStatus::kLost && !poor && is_followed(update.T_odom_base))
+    update.status = TrackingStatus::kDegraded;
+  if (update.status == TrackingStatus::kOk && !explains_enough(update.T_odom_base))
     update.status = TrackingStatus::kDegraded;
   if (update.status == TrackingStatus::kOk) {
     state.set.known = KnownPlace{state.set.all.front().T_grid_odom, 0.0};

@@ -61,18 +61,18 @@ TEST(Hypotheses, ViewsThatTheMapDoesNotExplainMakeAPoseLessSure) {
   EXPECT_LT(set.margin(), 42.0);
   see(set, 0.45, 20);
   EXPECT_EQ(set.margin(), 0.0);
-  see(set, 0.9, 8);  // back where the map has walls
-  EXPECT_GT(set.margin(), 45.0);
+  see(set, 0.9, 10);  // back where the map has walls
+  EXPECT_GT(set.margin(), 40.0);
 }
 
 TEST(Hypotheses, WhatASearchFindsMustBeConfirmedByViews) {
   HypothesisSet set;
-  for (const double x : {0.0, 5.0, 10.0}) set.restart({explained_at(x, 0.9)}, {}, 18.0, 12);
-  EXPECT_EQ(set.margin(), kFoundAgain);  // the third look
+  for (const double x : {0.0, 10.0}) set.restart({explained_at(x, 0.9)}, {}, 18.0, 12);
+  EXPECT_EQ(set.margin(), kFoundAgain);  // the second look
   see(set, 0.9, 3);
-  EXPECT_GT(set.margin(), kFoundAgain + 11.0);
+  EXPECT_GT(set.margin(), kFoundAgain + 17.0);
   set.restart({explained_at(10.1, 0.9)}, {}, 18.0, 12);  // where odometry led to as well
-  EXPECT_GT(set.margin(), kFoundAgain + 11.0);
+  EXPECT_GT(set.margin(), kFoundAgain + 17.0);
 }
 
 TEST(Hypotheses, WhatTheViewsBeforeSayCountsFromTheFirst) {
@@ -91,7 +91,6 @@ TEST(Hypotheses, WhatLiesWhereTheMapKnowsNothingSaysNothingAboutWhereOdometryLea
   EXPECT_GT(explained_of_known(fit), 0.9);
   EXPECT_GT(log_likelihood_where_led(fit), -60.0);
   EXPECT_GT(evidence_of_view(fit, Led::kThere), 4.0);
-  EXPECT_LT(evidence_of_view(fit, Led::kUnknown), 0.0);
   fit.unknown = 0.0;  // hits where the map is free: something is wrong
   EXPECT_LT(evidence_of_view(fit, Led::kThere), -3.0);
   fit.explained = 0.6;
@@ -174,7 +173,7 @@ TEST(PastViews, SpeakAgainstAPlaceThatTheyDoNotFit) {
   EXPECT_LT(past.evidence(grid, T_grid_odom, Led::kUnknown), -7.0);
   past.add(view(1.5F), {}, 0.25);
   past.add(view(1.5F), {}, 0.25);
-  EXPECT_LT(past.evidence(grid, T_grid_odom, Led::kUnknown), 1.0);
+  EXPECT_LT(past.evidence(grid, T_grid_odom, Led::kUnknown), 5.0);
   EXPECT_GT(past.evidence(grid, T_grid_odom, Led::kUnknown, 2), 7.0);
   past.clear();
   EXPECT_EQ(past.size(), 0U);
