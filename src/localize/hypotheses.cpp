@@ -106,15 +106,10 @@ void HypothesisSet::merge(const std::vector<FoundPose>& found, const Pose2& T_od
   for (const FoundPose& pose : found) {
     const auto same = std::find_if(all.begin(), all.end(),
                                    [&](const Hypothesis& h) { return !is_apart(h.at.T_grid_base, pose.T_grid_base); });
-    if (same == all.end()) {
-      all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose,
-                     weight + log_likelihood(pose, T_odom_base) - likelihood - kCarriedAway,
-                     found_ahead(pose, led(pose.T_grid_base, T_odom_base))});
-    } else if (&pose == &found.front()) {  // what is followed is also what a search finds
-      const Led how = led(pose.T_grid_base, T_odom_base);
-      if (evidence_of_view(pose.fit, how, usual_explained) > 0.0)
-        same->ahead_of_none = std::max(same->ahead_of_none, found_ahead(pose, how));
-    }
+    if (same != all.end()) continue;
+    all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose,
+                   weight + log_likelihood(pose, T_odom_base) - likelihood - kCarriedAway,
+                   found_ahead(pose, led(pose.T_grid_base, T_odom_base))});
   }
   ++looks;
   prune(keep_gap, most);
