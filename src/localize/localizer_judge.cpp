@@ -74,6 +74,8 @@ void Localizer::Impl::judge(bool poor, const RangeMeasurement& measurement, Loca
     state.set.known = KnownPlace{state.set.all.front().T_grid_odom, 0.0};
   }
   state.located |= update.status == TrackingStatus::kOk;
+  // Never ok: it may be a place that the map has not, on a wrong map too.
+  if (update.status == TrackingStatus::kDegraded && !state.located) update.status = TrackingStatus::kAmbiguous;
   report_hypotheses(map.data(), state.set, measurement.T_base_laser, options, update);
 }
 
