@@ -11,9 +11,9 @@ constexpr double kCarriedAway = 6.0;  // of log-likelihood: a robot is seldom wh
 // A place in a room that the map has not explains half of most scans, and 0.7 of those of a room that looks like one of
 // the map's. Where odometry contradicts a pose, that is what it is: robots drive more often than they are carried. What
 // odometry leads to is right although much of what is seen is new; what lies where the map knows nothing says nothing.
-constexpr double kNeutralThere = 0.5, kNeutralExplained = 0.58, kNeutralElsewhere = 0.75, kPerShare = 40.0;
+constexpr double kNeutralThere = 0.45, kNeutralExplained = 0.58, kNeutralElsewhere = 0.75, kPerShare = 40.0;
 // Where the map explained nearly all, half of a scan is little: it is the next room, which only looked the same.
-constexpr double kOfUsual = 0.7;
+constexpr double kOfUsual = 0.6;
 constexpr double kMostOfView = 8.0, kMostAlone = 4.0;
 constexpr double kMostOfNew = 6.0;     // of a view for a pose not followed before: rooms look alike for about a metre
 constexpr double kLeastAhead = -16.0;  // of none: about two metres of good views make up for it
@@ -69,6 +69,7 @@ Led HypothesisSet::led(const Pose2& T_grid_base, const Pose2& T_odom_base) const
 
 void HypothesisSet::see(const Pose2& T_odom_base, double least_margin) {
   for (Hypothesis& h : all) {
+    ++h.views;
     const double evidence = evidence_of_view(h.at.fit, led(h.at.T_grid_base, T_odom_base), usual_explained);
     h.ahead_of_none = std::clamp(h.ahead_of_none + evidence, kLeastAhead, kMostMargin);
   }
@@ -89,14 +90,25 @@ void HypothesisSet::restart(const std::vector<FoundPose>& found, const Pose2& T_
   all.clear();
   for (const FoundPose& pose : found) {
     double ahead = found_ahead(pose, led(pose.T_grid_base, T_odom_base));
+    int views = 0;
     for (const Hypothesis& h : followed) {
-      if (!is_apart(h.T_grid_odom * T_odom_base, pose.T_grid_base)) ahead = std::max(ahead, h.ahead_of_none);
+      if (is_apart(h.T_grid_odom * T_odom_base, pose.T_grid_base)) continue;
+      ahead = std::max(ahead, h.ahead_of_none);
+      views = std::max(views, h.views);
     }
-    all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose, log_likelihood(pose, T_odom_base), ahead});
+    all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose, log_likelihood(pose, T_odom_base), ahead, views});
   }
   ++looks;
   margin_alone = kMostMargin;
   prune(keep_gap, most);
+}
+
+void HypothesisSet::find_again(const FoundPose& pose, const Pose2& T_odom_base, Hypothesis& known_one) const {
+  const Led how = led(pose.T_grid_base, T_odom_base);
+  if (!(evidence_of_view(pose.fit, how, usual_explained) > 0.0)) return;
+  const bool followed = how != Led::kElsewhere && known_one.views >= kFollowedViews;
+  const double least = followed ? kFoundWhereFollowed : kLeastAhead;
+  known_one.ahead_of_none = std::max({known_one.ahead_of_none, found_ahead(pose, how), least});
 }
 
 void HypothesisSet::merge(const std::vector<FoundPose>& found, const Pose2& T_odom_base, double keep_gap,
@@ -106,7 +118,10 @@ void HypothesisSet::merge(const std::vector<FoundPose>& found, const Pose2& T_od
   for (const FoundPose& pose : found) {
     const auto same = std::find_if(all.begin(), all.end(),
                                    [&](const Hypothesis& h) { return !is_apart(h.at.T_grid_base, pose.T_grid_base); });
-    if (same != all.end()) continue;
+    if (same != all.end()) {
+      if (&pose == &found.front()) find_again(pose, T_odom_base, *same);
+      continue;
+    }
     all.push_back({pose.T_grid_base * T_odom_base.inverse(), pose,
                    weight + log_likelihood(pose, T_odom_base) - likelihood - kCarriedAway,
                    found_ahead(pose, led(pose.T_grid_base, T_odom_base))});

@@ -16,6 +16,7 @@ struct Hypothesis {
   double weight = 0.0;  ///< log-likelihood of what was seen so far
   /// Of log-likelihood, how far it is ahead of a place that the map has not, which explains about half of most scans.
   double ahead_of_none = 0.0;
+  int views = 0;  ///< since it was found
 };
 
 /// What odometry says of a pose: of nothing, where the robot's place was not known or odometry broke since.
@@ -36,6 +37,9 @@ double explained_of_known(const MapFit& fit);
 /// must confirm it, those before the search too. What odometry leads to is more than chance; what it contradicts, less.
 inline constexpr double kFoundFirst = 34.0, kFoundAgain = 10.0, kFoundWhereLed = 52.0, kFoundElsewhere = 10.0;
 inline constexpr int kFirstLooks = 1;
+/// What was followed over two metres and is found again by a search is no less sure than this.
+inline constexpr double kFoundWhereFollowed = 34.0;
+inline constexpr int kFollowedViews = 8;
 
 /// Where a pose that was ok is now by odometry alone, which did not break since.
 struct KnownPlace {
@@ -62,6 +66,8 @@ struct HypothesisSet {
   void restart(const std::vector<FoundPose>& found, const Pose2& T_odom_base, double keep_gap, std::size_t most);
   /// Adds what a search found and is not known, as if it had explained the past as well as the best.
   void merge(const std::vector<FoundPose>& found, const Pose2& T_odom_base, double keep_gap, std::size_t most);
+  /// A search finds what is followed, as its best.
+  void find_again(const FoundPose& pose, const Pose2& T_odom_base, Hypothesis& known_one) const;
   /// A new view, matched: `at` and `weight` are those with it.
   void see(const Pose2& T_odom_base, double least_margin);
   double found_ahead(const FoundPose& pose, Led led) const;
