@@ -13,7 +13,7 @@ constexpr double kCarriedAway = 6.0;  // of log-likelihood: a robot is seldom wh
 // odometry leads to is right although much of what is seen is new; what lies where the map knows nothing says nothing.
 constexpr double kNeutralThere = 0.45, kNeutralExplained = 0.58, kNeutralElsewhere = 0.75, kPerShare = 40.0;
 // Where the map explained nearly all, half of a scan is little: it is the next room, which only looked the same.
-constexpr double kOfUsual = 0.6;
+constexpr double kOfUsual = 0.65;
 constexpr double kMostOfView = 8.0, kMostAlone = 4.0;
 constexpr double kMostOfNew = 6.0;     // of a view for a pose not followed before: rooms look alike for about a metre
 constexpr double kLeastAhead = -16.0;  // of none: about two metres of good views make up for it

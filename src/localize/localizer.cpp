@@ -16,7 +16,7 @@ namespace {
 // A scan from so far away, or turned so far, is another view: what it says is new.
 constexpr double kNewViewM = 0.25, kNewViewRad = 0.35;
 constexpr double kViewShare = 0.5;  // of a view's log-likelihood that counts: views overlap
-constexpr double kMemory = 0.97;
+constexpr double kMemory = 0.985;   // of the usual share explained, a scan: about 12 s of a slow sensor
 // Odometry is off by this a step beside a share of it [m], [rad].
 constexpr double kStepM = 0.01, kStepRad = 0.005, kStepShare = 0.1;
 constexpr double kKnownM = 30.0;    // of way, that odometry alone tells where the robot is not
