@@ -81,7 +81,9 @@ void Localizer::Impl::search(const QueryScan& query, const Pose2& T_odom_base, b
   const bool better = state.set.empty() || likely(found.front()) > likely(state.set.all.front().at) + kClearlyBetter;
   if (state.set.empty() || (poor && better)) {
     state.set.restart(found, T_odom_base, kKeepGap, most());
-    state.set.usual_explained = explained_share(T_odom_base);
+    // The pose that is followed, found a little beside itself, is not a place of which little is usual.
+    if (state.set.led(state.set.all.front().at.T_grid_base, T_odom_base) != Led::kThere)
+      state.set.usual_explained = explained_share(T_odom_base);
     state.poor_scans = 0;
   } else {
     state.set.merge(found, T_odom_base, kKeepGap, most());
