@@ -73,6 +73,7 @@ std::string case_lines(const std::vector<LocalizeCase>& cases, const std::vector
                                 {"explained", u.fit.explained},
                                 {"unmapped", u.fit.unmapped},
                                 {"contradicting", u.fit.contradicting},
+                                {"unknown", u.fit.unknown},
                                 {"log_likelihood", u.fit.log_likelihood},
                                 {"margin", u.margin},
                                 {"sigma_x", std::sqrt(u.covariance(0, 0))},
@@ -116,6 +117,7 @@ std::string scan_line(const DrivenScan& scan) {
                                     {"explained", u.fit.explained},
                                     {"unmapped", u.fit.unmapped},
                                     {"contradicting", u.fit.contradicting},
+                                    {"unknown", u.fit.unknown},
                                     {"log_likelihood", u.fit.log_likelihood},
                                     {"margin", u.margin},
                                     {"hypotheses", u.hypotheses.size()},
@@ -123,6 +125,19 @@ std::string scan_line(const DrivenScan& scan) {
                                     {"truth", {scan.T_map_base.x, scan.T_map_base.y, scan.T_map_base.theta}},
                                     {"pose", {pose.x, pose.y, pose.theta}}};
   return line.dump() + "\n";
+}
+
+/// Mean confidence, share right and number by tenths of the confidence.
+std::string reliability_part(const std::vector<ReliabilityBin>& bins) {
+  std::string text = ", \"reliability\": [";
+  for (const ReliabilityBin& bin : bins)
+    text += fmt::format("{}[{:.3f}, {:.3f}, {}]", text.back() == '[' ? "" : ", ", bin.confidence, bin.right, bin.n);
+  return text + "]";
+}
+
+/// JSON has no word for the median of nothing.
+std::string number_or_null(double value, int digits) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "null";
 }
 
 /// Drives, as one line of JSON.
@@ -151,15 +166,12 @@ int run_bench_drives(const BenchLocalizeFlags& flags, const LocalizeOptions& opt
       t.begun, t.begun_found, t.begun_ambiguous, t.begun_ambiguous_found, s.off_map, s.off_map_wrong_ok, s.scans,
       s.way_m, s.ok, s.right_ok, s.wrong_ok, s.degraded, s.ambiguous, s.lost,
       s.errors_m.empty() ? 0.0 : quantile(s.errors_m, 0.5), s.longest_lost_s, s.longest_wrong_ok_s);
+  line += fmt::format(", \"calibration_error\": {}", number_or_null(calibration_error(s.judgements), 4)) +
+          reliability_part(reliability(s.judgements));
   if (!flags.common.no_times && !s.cpu_ms.empty())
     line += fmt::format(", \"ms_p50\": {:.3f}, \"ms_p99\": {:.3f}", quantile(s.cpu_ms, 0.5), quantile(s.cpu_ms, 0.99));
   print(line + "}\n");
   return kDone;
-}
-
-/// JSON has no word for the median of nothing.
-std::string number_or_null(double value, int digits) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "null";
 }
 
 int run_bench_localize(const BenchLocalizeFlags& flags) {
@@ -183,10 +195,7 @@ int run_bench_localize(const BenchLocalizeFlags& flags) {
       places.name, map.free_area_m2(), s.n, s.right, s.within_half_m, s.ok, s.right_ok, s.wrong_ok, s.ambiguous,
       s.ambiguous_named, s.degraded, s.wrong_degraded, s.unmapped, s.lost, number_or_null(s.median_m, 4),
       number_or_null(s.median_deg, 3), s.calibration_error);
-  line += ", \"reliability\": [";
-  for (const ReliabilityBin& bin : s.reliability)
-    line += fmt::format("{}[{:.3f}, {:.3f}, {}]", line.back() == '[' ? "" : ", ", bin.confidence, bin.right, bin.n);
-  line += "]";
+  line += reliability_part(s.reliability);
   if (!flags.common.no_times) {
     line += fmt::format(", \"ms_p50\": {:.2f}, \"ms_p99\": {:.2f}, \"prepare_ms\": {:.0f}, \"map_mib\": {:.1f}",
                         s.ms_p50, s.ms_p99, 1e3 * prepared_s, static_cast<double>(map.memory_bytes()) / (1 << 20));

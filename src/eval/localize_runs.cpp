@@ -171,6 +171,8 @@ class DriveFollower {
     score_.degraded += update.status == TrackingStatus::kDegraded;
     score_.ambiguous += update.status == TrackingStatus::kAmbiguous;
     score_.lost += update.status == TrackingStatus::kLost;
+    if (update.T_map_base && update.status != TrackingStatus::kAmbiguous)
+      score_.judgements.push_back({update.confidence, is_right(*update.T_map_base, truth)});
     if (ok) {
       const bool right = is_right(*update.T_map_base, truth);
       ++(right ? score_.right_ok : score_.wrong_ok);

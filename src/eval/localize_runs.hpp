@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "eval/localize_places.hpp"
+#include "eval/statistics.hpp"
 #include "phasescan/localize/localizer.hpp"
 
 namespace phasescan {
@@ -49,10 +50,11 @@ struct LocalizeRunsScore {
   std::size_t off_map = 0, off_map_wrong_ok = 0;  ///< where the map has no free space: not counted below
   std::size_t scans = 0, ok = 0, wrong_ok = 0, right_ok = 0, degraded = 0, ambiguous = 0, lost = 0;
   double way_m = 0.0;
-  std::vector<double> errors_m;     ///< of poses that are ok
-  double longest_lost_s = 0.0;      ///< lost or without a pose, at a stretch
-  double longest_wrong_ok_s = 0.0;  ///< ok at a wrong place, at a stretch
-  std::vector<double> cpu_ms;       ///< of scans that were tracked without a search
+  std::vector<Judgement> judgements;  ///< of these scans, where there is a pose and none is as likely
+  std::vector<double> errors_m;       ///< of poses that are ok
+  double longest_lost_s = 0.0;        ///< lost or without a pose, at a stretch
+  double longest_wrong_ok_s = 0.0;    ///< ok at a wrong place, at a stretch
+  std::vector<double> cpu_ms;         ///< of scans that were tracked without a search
 };
 
 /// What became of kidnapped robots, and of those that were switched on during a drive.

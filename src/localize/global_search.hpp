@@ -14,6 +14,7 @@ struct FoundPose {
   Pose2 T_grid_base;
   MapFit fit;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  ///< of (x, y, theta), frame of the grid
+  double of_past = 0.0;  ///< what the views before say for it, where odometry ties them to it
 };
 
 /// Poses less than these apart are one.

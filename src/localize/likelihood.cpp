@@ -13,7 +13,8 @@ constexpr float kWithinCells = 0.6F;      // standard deviation of a surface wit
 constexpr float kBeforeHitM = 0.3F;       // a surface counts as passed where it lies so much nearer than the hit
 constexpr float kSigmasExplained = 2.5F;  // of a hit that lies on the map
 constexpr float kAsideCells = 1.5F;       // of the rays beside one
-constexpr float kBeginM = 0.1F;           // rays begin so far from the laser: it may stand in a drawn cell
+constexpr float kUnknownM = 0.5F;  // from a surface, a hit is where the map knows nothing; nearer it is off a wall
+constexpr float kBeginM = 0.1F;    // rays begin so far from the laser: it may stand in a drawn cell
 
 }  // namespace
 
@@ -72,7 +73,7 @@ MapFit fit_to_map(const MapGrid& grid, const JudgedBeams& beams, const Pose2& T,
   const float ox = c * beams.origin_x - s * beams.origin_y + tx, oy = s * beams.origin_x + c * beams.origin_y + ty;
   const float of_map = map_variance(grid);
   const HitTable& table = hit_table();
-  std::size_t count = 0, explained = 0, unmapped = 0, contradicting = 0;
+  std::size_t count = 0, explained = 0, unmapped = 0, contradicting = 0, unknown = 0;
   float sum = 0.0F;
   for (std::size_t i = 0; i < beams.size(); i += stride) {
     ++count;
@@ -91,6 +92,7 @@ MapFit fit_to_map(const MapGrid& grid, const JudgedBeams& beams, const Pose2& T,
     } else {
       explained += on;
       unmapped += !on;
+      unknown += !on && distance > kUnknownM && !grid.is_free_at(x, y);
       sum += look_up(table, distance, variance);
     }
   }
@@ -98,6 +100,8 @@ MapFit fit_to_map(const MapGrid& grid, const JudgedBeams& beams, const Pose2& T,
   fit.explained = static_cast<double>(explained) / n;
   fit.unmapped = static_cast<double>(unmapped) / n;
   fit.contradicting = static_cast<double>(contradicting) / n;
+  fit.unknown = static_cast<double>(unknown) / n;
+  fit.hits = count;
   fit.log_likelihood = static_cast<double>(sum);
   return fit;
 }

@@ -1,14 +1,12 @@
 #include "phasescan/localize/localizer.hpp"
 
 #include <Eigen/LU>
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "localize/likelihood.hpp"
-#include "localize/locate.hpp"
-#include "localize/map_data.hpp"
+#include "localize/localizer_impl.hpp"
 #include "localize/pose_confidence.hpp"
 #include "odometry/information.hpp"
 
@@ -18,91 +16,18 @@ namespace {
 // A scan from so far away, or turned so far, is another view: what it says is new.
 constexpr double kNewViewM = 0.25, kNewViewRad = 0.35;
 constexpr double kViewShare = 0.5;  // of a view's log-likelihood that counts: views overlap
-constexpr double kKeepGap = 18.0;   // hypotheses this far behind are dropped
-constexpr double kPoorShare = 0.6;  // of the usual share of hits explained: less is a poor fit
-constexpr double kLeastExplained = 0.35;
-constexpr double kMemory = 0.97;
-constexpr double kClearlyBetter = 10.0;  // of log-likelihood, for a pose elsewhere to be taken instead
-constexpr double kLostAfterS = 1.0;
-constexpr int kLostAfterScans = 10;
+constexpr double kMemory = 0.985;   // of the usual share explained, a scan: about 12 s of a slow sensor
 // Odometry is off by this a step beside a share of it [m], [rad].
 constexpr double kStepM = 0.01, kStepRad = 0.005, kStepShare = 0.1;
-constexpr int kSearchEveryScans = 5;  // while lost
-
-constexpr double kNever = 1e9;
-constexpr double kFollowedM = 10.0;    // a pose that was ok and was followed since is not lost for so long
-constexpr double kKnownM = 30.0;       // of way, that odometry alone tells where the robot is not
-constexpr double kVerifyEveryM = 5.0;  // a pose that is ok is compared with the whole map
-constexpr double kNarrowRad = 5.0;     // a scan narrower than this is another view once it is turned
+constexpr double kKnownM = 30.0;    // of way, that odometry alone tells where the robot is not
+constexpr double kNarrowRad = 5.0;  // a scan narrower than this is another view once it is turned
 
 double field_of_view(const Scan& scan) {
   const std::size_t n = scan.size();
   return n > 1 ? static_cast<double>(n) * std::abs(scan.angle(1) - scan.angle(0)) : 0.0;
 }
 
-/// Odometry does not say how the robot came here.
-bool broke(const OdometryUpdate& odometry) {
-  return odometry.status == TrackingStatus::kLost || odometry.diagnostics.new_segment;
-}
-
-struct State {
-  HypothesisSet set;
-  std::optional<PoseEstimate> given;  ///< by initialize, for the next scan
-  Pose2 T_odom_last, T_odom_view;
-  double way_since_search = 0.0;
-  double usual_explained = 0.7;
-  Stamp poor_since = 0;
-  int poor_scans = 0;
-  int scans_since_search = 0;
-  double way_since_ok = kNever;  ///< along one hypothesis
-  bool located = false;
-  ScanId scans = 0;
-};
-
 }  // namespace
-
-struct Localizer::Impl {
-  LocalizationMap map;
-  LocalizeOptions options;
-  OdometryOptions odometry_options;
-  Odometry odometry;
-  State state;
-  QueryWorkspace query_work;
-  GlobalSearchWorkspace search_work;
-
-  LocalizationUpdate add(const RangeMeasurement& measurement);
-  void take_given(const QueryScan& query, const Pose2& T_odom_base);
-  void track(const QueryScan& query, const OdometryUpdate& odometry_update, bool new_view);
-  bool fits_poorly(const OdometryUpdate& odometry_update) const;
-  bool wants_search(bool poor, TrackingStatus status) const;
-  void search(const QueryScan& query, const Pose2& T_odom_base, bool poor);
-  void judge(bool poor, const RangeMeasurement& measurement, LocalizationUpdate& update);
-  std::size_t most() const { return static_cast<std::size_t>(options.max_hypotheses); }
-};
-
-/// The pose that was given, and places around it as far as it is unsure.
-void Localizer::Impl::take_given(const QueryScan& query, const Pose2& T_odom_base) {
-  const Pose2 T_grid_given = map.data().T_map_grid.inverse() * state.given->T_map_base;
-  const Eigen::Matrix3d& covariance = state.given->covariance;
-  const double spread_m = std::min(2.0, 2.0 * std::sqrt(std::max(covariance(0, 0), covariance(1, 1))));
-  const double spread_rad = std::min(1.0, 2.0 * std::sqrt(covariance(2, 2)));
-  const int shifts = static_cast<int>(std::ceil(spread_m / 0.3)),
-            turns = static_cast<int>(std::ceil(spread_rad / 0.15));
-  std::vector<FoundPose> found;
-  for (int a = -turns; a <= turns; ++a) {
-    for (int i = -shifts; i <= shifts; ++i) {
-      for (int k = -shifts; k <= shifts; ++k)
-        found.push_back(match_near(
-            map.data(), query,
-            {T_grid_given.x + 0.3 * i, T_grid_given.y + 0.3 * k, wrap_angle(T_grid_given.theta + 0.15 * a)}));
-    }
-  }
-  std::stable_sort(found.begin(), found.end(),
-                   [](const FoundPose& a, const FoundPose& b) { return a.fit.log_likelihood > b.fit.log_likelihood; });
-  found.resize(1);
-  state.set.restart(found, T_odom_base, kKeepGap, most());
-  state.given.reset();
-}
 
 /// Every hypothesis moves with odometry and is matched near where that leads.
 void Localizer::Impl::track(const QueryScan& query, const OdometryUpdate& odometry_update, bool new_view) {
@@ -123,63 +48,10 @@ void Localizer::Impl::track(const QueryScan& query, const OdometryUpdate& odomet
     }
     h.at = found;
     h.T_grid_odom = found.T_grid_base * odometry_update.T_odom_base.inverse();
-    if (new_view) h.weight += kViewShare * found.fit.log_likelihood;
+    if (new_view) h.weight += kViewShare * state.set.log_likelihood(found, odometry_update.T_odom_base);
   }
   if (new_view) state.set.see(odometry_update.T_odom_base, options.ambiguous_gap);
   state.set.prune(kKeepGap, most());
-}
-
-bool Localizer::Impl::fits_poorly(const OdometryUpdate& odometry_update) const {
-  if (state.set.empty()) return true;
-  if (!(state.set.all.front().ahead_of_none > 0.0)) return true;  // as likely a place that the map has not
-  const double explained = state.set.all.front().at.fit.explained;
-  return explained < kLeastExplained || explained < kPoorShare * state.usual_explained || broke(odometry_update);
-}
-
-bool Localizer::Impl::wants_search(bool poor, TrackingStatus status) const {
-  if (state.set.empty()) return state.scans_since_search == 0 || state.scans_since_search >= kSearchEveryScans;
-  if (poor) return state.poor_scans <= 2 || state.scans_since_search >= kSearchEveryScans;
-  return state.way_since_search > (status == TrackingStatus::kOk ? kVerifyEveryM : options.search_every_m);
-}
-
-void Localizer::Impl::search(const QueryScan& query, const Pose2& T_odom_base, bool poor) {
-  const std::vector<FoundPose> found = search_thoroughly(map.data(), query, options, search_work);
-  state.way_since_search = 0.0;
-  state.scans_since_search = 0;
-  if (found.empty()) return;
-  const bool better = state.set.empty() ||
-                      found.front().fit.log_likelihood > state.set.all.front().at.fit.log_likelihood + kClearlyBetter;
-  if (state.set.empty() || (poor && better)) {
-    state.set.restart(found, T_odom_base, kKeepGap, most());
-    state.usual_explained = state.set.all.front().at.fit.explained;
-    state.poor_scans = 0;
-  } else {
-    state.set.merge(found, T_odom_base, kKeepGap, most());
-  }
-}
-
-void Localizer::Impl::judge(bool poor, const RangeMeasurement& measurement, LocalizationUpdate& update) {
-  if (state.set.empty()) {
-    update.status = state.located ? TrackingStatus::kLost : TrackingStatus::kInitialising;
-    return;
-  }
-  const Judged judged = judge_pose(state.set.all.front().at, state.set.margin(), options);
-  update.status = judged.status;
-  update.confidence = judged.confidence;
-  if (poor && state.poor_scans > 0) {
-    const bool long_poor =
-        state.poor_scans > kLostAfterScans || stamp_to_seconds(measurement.scan.stamp - state.poor_since) > kLostAfterS;
-    update.status = long_poor ? TrackingStatus::kLost : TrackingStatus::kDegraded;
-    update.confidence = std::min(update.confidence, 0.5);
-  }
-  if (update.status == TrackingStatus::kLost && !poor && state.way_since_ok < kFollowedM)
-    update.status = TrackingStatus::kDegraded;
-  if (update.status == TrackingStatus::kOk) {
-    state.way_since_ok = 0.0;
-    state.set.known = KnownPlace{state.set.all.front().T_grid_odom, 0.0};
-  }
-  state.located |= update.status == TrackingStatus::kOk;
-  report_hypotheses(map.data(), state.set, measurement.T_base_laser, options, update);
 }
 
 LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
@@ -201,14 +73,11 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
               view = state.T_odom_view.inverse() * odom.T_odom_base;
   state.way_since_search += std::hypot(step.x, step.y);
   ++state.scans_since_search;
-  state.way_since_ok += std::hypot(step.x, step.y);
   if (state.set.known) state.set.known->way_m += std::hypot(step.x, step.y);
-  if (broke(odom)) state.set.forget_way();
+  if (broke(odom)) state.set.forget_way(), state.past.clear();
   if (state.set.known && state.set.known->way_m > kKnownM) state.set.known.reset();
   const bool narrow = field_of_view(measurement.scan) < kNarrowRad;
   const bool new_view = std::hypot(view.x, view.y) > kNewViewM || (narrow && std::abs(view.theta) > kNewViewRad);
-  const std::optional<Pose2> followed =
-      state.set.empty() ? std::nullopt : std::optional<Pose2>(state.set.all.front().T_grid_odom);
   if (state.given) {
     take_given(query, odom.T_odom_base);
   } else if (!state.set.empty()) {
@@ -216,6 +85,7 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
   } else {
     state.scans_since_search = state.scans_since_search == 1 && update.scan == 0 ? 0 : state.scans_since_search;
   }
+  notice_carrying(odom.T_odom_base);
   bool poor = fits_poorly(odom);
   if (poor && state.poor_scans++ == 0) state.poor_since = update.stamp;
   if (!poor) state.poor_scans = 0;
@@ -227,13 +97,15 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
     update.searched = true;
     poor = poor && state.poor_scans > 0;
   }
-  if (followed && !state.set.empty() &&
-      is_apart(*followed * odom.T_odom_base, state.set.all.front().T_grid_odom * odom.T_odom_base))
-    state.way_since_ok = kNever;
   if (!poor && !state.set.empty()) {
-    state.usual_explained = kMemory * state.usual_explained + (1.0 - kMemory) * state.set.all.front().at.fit.explained;
+    state.set.usual_explained =
+        kMemory * state.set.usual_explained + (1.0 - kMemory) * explained_share(odom.T_odom_base);
   }
-  if (new_view) state.T_odom_view = odom.T_odom_base;
+  state.last_explained = state.set.empty() ? 0.0 : explained_share(odom.T_odom_base);
+  if (new_view || state.past.size() == 0) {
+    state.past.add(query.beams, odom.T_odom_base, std::hypot(view.x, view.y));
+    state.T_odom_view = odom.T_odom_base;
+  }
   state.T_odom_last = odom.T_odom_base;
   judge(poor, measurement, update);
   return update;

@@ -1,5 +1,6 @@
 #include "localize/locate.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -106,6 +107,7 @@ LocalizationUpdate locate(const LocalizationMap& map, const RangeMeasurement& me
   update.status = judged.status;
   update.confidence = judged.confidence;
   report_hypotheses(map.data(), set, measurement.T_base_laser, options, update);
+  update.margin = std::min(margin_of(found), kMostMargin);
   return update;
 }
 

@@ -24,6 +24,9 @@ struct MapGrid {
   }
   bool inside(int i, int k) const { return i >= 0 && k >= 0 && i < width && k < height; }
   bool is_free(int i, int k) const { return inside(i, k) && free[index(i, k)] != 0; }
+  bool is_free_at(float x, float y) const {
+    return x >= 0.0F && y >= 0.0F && is_free(static_cast<int>(x * inverse_cell), static_cast<int>(y * inverse_cell));
+  }
   bool is_occupied(int i, int k) const { return inside(i, k) && occupied[index(i, k)] != 0; }
   float most_distance_m() const { return static_cast<float>(kMostDistance) / kPerCell * cell_m; }
 

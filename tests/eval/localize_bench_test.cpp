@@ -97,6 +97,9 @@ TEST(LocalizeRuns, AKidnappedRobotKnowsItsPlaceAgain) {
   }
   EXPECT_EQ(score.ok, score.right_ok + score.wrong_ok);
   EXPECT_EQ(score.errors_m.size(), score.ok);
+  EXPECT_GE(score.judgements.size(), score.ok + score.degraded);
+  EXPECT_GT(std::count_if(score.judgements.begin(), score.judgements.end(), [](const Judgement& j) { return j.right; }),
+            static_cast<std::ptrdiff_t>(score.right_ok) - 1);
   EXPECT_LE(score.longest_wrong_ok_s, 1.0);
 }
 

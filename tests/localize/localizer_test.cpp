@@ -187,6 +187,30 @@ TEST(Localizer, NothingIsOkAtAWrongPlaceInARoomThatTheMapHasNot) {
   EXPECT_GE(ok_in_first, in_first * 9 / 10) << in_first;
 }
 
+/// One scan of which a part is new may be of a room that the map has not: views of the way decide. Until then nothing
+/// is a pose to go by.
+TEST(Localizer, AFirstScanThatIsNotWhollyExplainedIsAmbiguousUntilTheWayConfirmsIt) {
+  Localizer localizer(LocalizationMap::from_grid(toy_map(two_rooms(), {0, 0})));
+  Random random(6);
+  const std::vector<Pose2> way = testing::toy_tour(0.1, 0.4, 0.8);
+  int ok = 0;
+  for (std::size_t i = 0; i < 30; ++i) {
+    Scan scan = toy_scan(two_rooms(), way[i], ToyLidar{}, random, static_cast<Stamp>(i) * 100'000'000);
+    for (std::size_t b = 0; b < scan.size() / 5; ++b) scan.ranges[b] *= 0.6F;
+    const LocalizationUpdate u = localizer.add(measured(std::move(scan)));
+    if (i == 0) {
+      EXPECT_EQ(u.status, TrackingStatus::kAmbiguous);
+    }
+    if (u.status != TrackingStatus::kOk) {
+      EXPECT_TRUE(ok > 0 || !u.has_pose()) << i;
+      continue;
+    }
+    ++ok;
+    EXPECT_TRUE(is_right(*u.T_map_base, way[i]));
+  }
+  EXPECT_GT(ok, 5);
+}
+
 TEST(Localizer, TakesAPoseThatIsGiven) {
   const std::vector<testing::Wall> walls = {{{0, 0}, {5, 0}}, {{5, 0}, {5, 3}}, {{5, 3}, {0, 3}}, {{0, 3}, {0, 0}}};
   Localizer localizer(LocalizationMap::from_grid(toy_map(walls, {1, 1})));

@@ -54,8 +54,10 @@ struct PoseEstimate {
 struct MapFit {
   double explained = 0.0;       ///< share of the hits that lie on the map's surfaces
   double unmapped = 0.0;        ///< share that lies in front of them: what came since the map was made
+  double unknown = 0.0;         ///< of these, the share of the hits that lies where the map knows nothing
   double contradicting = 0.0;   ///< share that lies behind them: what went since, or another place
   double log_likelihood = 0.0;  ///< of the scan at the pose; 0: every hit is where the map has a surface
+  std::size_t hits = 0;         ///< that were judged
 };
 
 /// What one scan says of the pose. Complete when `add` returns.
