@@ -62,7 +62,7 @@ class Tester {
   bool wait(const std::function<bool()>& until, double seconds = 20.0) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (!until()) {
-      if (std::chrono::steady_clock::now() > end) return false;
+      if (std::chrono::steady_clock::now() > end || !rclcpp::ok()) return false;  // or somebody pressed Ctrl-C
       executor_.spin_once(std::chrono::milliseconds(5));
     }
     return true;
