@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "odometry/state_types.hpp"
+#include "state/container.hpp"
 #include "state/reader.hpp"
 #include "state/writer.hpp"
 
@@ -20,7 +21,7 @@ std::string to_bytes(const State& state) {
 template <class State>
 State from_bytes(const std::string& bytes) {
   State state;
-  StateReader reader(bytes);
+  StateReader reader(bytes, kStateFileVersion);
   reader.read(state);
   return state;
 }
