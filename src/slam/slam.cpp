@@ -130,7 +130,8 @@ SlamResult Slam::finish() {
   const DeskewTest& deskewing = self.tracker.state().deskew_test;
   if (deskewing.refuted() || self.state.earlier.deskewing_refuted) options.odometry.deskew = false;
   RefinementFit fit;
-  if (refined) poses = refine_trajectory(backend, self.state.store, poses, ledger, options.odometry, &fit);
+  if (refined)
+    poses = refine_trajectory(backend, self.state.store, poses, ledger, options.odometry, options.match, &fit);
   SlamResult result = make_result(backend, ledger, poses, refined, options);
   make_parts(backend, ledger, poses, refined, static_cast<std::size_t>(self.state.frame_session), options, result);
   self.state.earlier.add(self.tracker.state());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/motion.hpp"
 #include "odometry/registration.hpp"
@@ -16,7 +17,9 @@ constexpr std::size_t kMaxKeyframes = 24;                  // that make the map 
 constexpr double kLeastPeriods = 0.3, kMostPeriods = 3.0;  // between two scans that tell of the motion during a turn
 constexpr double kMostMoveM = 0.15, kMostMoveRad = 0.06;   // [m] [rad] a refinement moves a pose less than this
 constexpr double kPriorM = 0.03, kPriorRad = 0.01;         // [m] [rad] standard deviation of the pose before
-constexpr double kGateM = 0.2;                             // [m] distance at which points find partners at first
+// Of a pose that a scan which was lost is led back to: the scan after it may be a little off as well.
+constexpr double kMostMoveLostM = 0.3, kMostMoveLostRad = 0.2, kPriorLostM = 0.1, kPriorLostRad = 0.1;
+constexpr double kGateM = 0.2;  // [m] distance at which points find partners at first
 
 /// Motion of the base during a scan's turn: from the way to the next scan, or from the one before where beams are
 /// listed last to first; zero where the times between them tell nothing. Messages that repeat another are no scans of
@@ -39,19 +42,28 @@ Twist2 turn_twist(const ScanLedger& ledger, std::span<const Pose2> guess, std::s
   return mean_twist(guess[from].inverse() * guess[to], step_s);
 }
 
+/// How well a pose is known before it is refined [m], [rad].
+struct PoseBefore {
+  double sigma_m, sigma_rad, most_move_m, most_move_rad;
+};
+constexpr PoseBefore kTracked{kPriorM, kPriorRad, kMostMoveM, kMostMoveRad};
+constexpr PoseBefore kLedBack{kPriorLostM, kPriorLostRad, kMostMoveLostM, kMostMoveLostRad};
+
 /// The pose near `T_map_base` that lays the points on the map; the same where the match fails or moves it far.
-Pose2 refine_pose(const LocalMap& map, const MapPoints& points, const Pose2& T_map_base, double min_overlap,
-                  RefinementFit& fit) {
+Pose2 refine_pose(const LocalMap& map, const MapPoints& points, const Pose2& T_map_base, const PoseBefore& known,
+                  double min_overlap, RefinementFit& fit) {
   PosePrior prior;
   prior.T_map_base = map.T_world_map().inverse() * T_map_base;
-  prior.information.diagonal() << 1.0 / (kPriorM * kPriorM), 1.0 / (kPriorM * kPriorM), 1.0 / (kPriorRad * kPriorRad);
+  const double per_m2 = 1.0 / (known.sigma_m * known.sigma_m);
+  prior.information.diagonal() << per_m2, per_m2, 1.0 / (known.sigma_rad * known.sigma_rad);
   RegistrationOptions fine;
   fine.gate_start_m = kGateM;
   const Registration found = register_points(map, points, prior.T_map_base, fine, prior);
   const Pose2 moved = prior.T_map_base.inverse() * found.T_map_base;
   ++fit.scans;
   fit.overlap_sum += found.overlap;
-  if (found.overlap < min_overlap || std::hypot(moved.x, moved.y) > kMostMoveM || std::abs(moved.theta) > kMostMoveRad)
+  if (found.overlap < min_overlap || std::hypot(moved.x, moved.y) > known.most_move_m ||
+      std::abs(moved.theta) > known.most_move_rad)
     return ++fit.kept, T_map_base;
   return map.T_world_map() * found.T_map_base;
 }
@@ -74,7 +86,7 @@ class ScanRefiner {
       : backend_(backend), scans_(scans), options_(options) {}
 
   Pose2 refine(std::size_t index, const Scan& scan, int keyframe, const Twist2& twist, const Pose2& T_map_base,
-               RefinementFit& fit) {
+               const PoseBefore& known, RefinementFit& fit) {
     if (keyframe != built_for_) {
       built_for_ = keyframe;
       backend_.build_surroundings(built_for_, kMaxKeyframes, map_);
@@ -82,7 +94,7 @@ class ScanRefiner {
     const Pose2& T_base_laser = scans_.T_base_laser(index);
     find_surface(scan, twist_of_frame(T_base_laser, twist), work_, surface_, kTrackingLines);
     to_map_points(surface_, T_base_laser, options_.map_range_m, points_);
-    return refine_pose(map_, points_, T_map_base, options_.min_overlap, fit);
+    return refine_pose(map_, points_, T_map_base, known, options_.min_overlap, fit);
   }
 
  private:
@@ -96,15 +108,26 @@ class ScanRefiner {
   MapPoints points_;
 };
 
+/// Pose of the base with a scan, seen from that with another one, by the match without a guess.
+std::optional<Pose2> match_bases(const ScanStore& scans, ScanMatcher& matcher, std::size_t reference,
+                                 std::size_t scan) {
+  const MatchResult match = matcher.match(scans.scan(reference), scans.scan(scan));
+  if (!match.usable) return std::nullopt;
+  return scans.T_base_laser(reference) * match.T_ref_scan * scans.T_base_laser(scan).inverse();
+}
+
 bool tells_motion(const ScanRecord& record) {
   return !record.repeated && !record.left_out;
 }
 
-/// Scans that were lost before tracking found its way again: where the way back from there leads to and the map agrees.
+/// Scans that were lost before tracking found its way again: where the match with the scan after them puts them, or the
+/// way back from there, and the map agrees.
 /// Another piece of the map has no way back.
 /// @param placed  whether a scan's pose is to be relied on
 void place_lost_scans(const ScanStore& scans, const ScanLedger& ledger, const MapPieces& pieces,
-                      std::vector<char>& placed, ScanRefiner& refiner, std::vector<Pose2>& out) {
+                      const MatchOptions& match, std::vector<char>& placed, ScanRefiner& refiner,
+                      std::vector<Pose2>& out) {
+  ScanMatcher matcher(match);
   const auto piece = [&](std::size_t scan) {
     return pieces.of_node[static_cast<std::size_t>(ledger.records[scan].keyframe)];
   };
@@ -117,8 +140,9 @@ void place_lost_scans(const ScanStore& scans, const ScanLedger& ledger, const Ma
     if (!placed[i] && leads_back) {
       Pose2 step;
       if (after < records.size() && placed[after]) step = out[next].inverse() * out[after];
+      const Pose2 back = match_bases(scans, matcher, next, i).value_or(step.inverse());
       RefinementFit fit;
-      const Pose2 found = refiner.refine(i, scans.scan(i), records[next].keyframe, {}, out[next] * step.inverse(), fit);
+      const Pose2 found = refiner.refine(i, scans.scan(i), records[next].keyframe, {}, out[next] * back, kLedBack, fit);
       if (fit.kept == 0) out[i] = found, placed[i] = 1;
     }
     after = next, next = i;
@@ -128,7 +152,8 @@ void place_lost_scans(const ScanStore& scans, const ScanLedger& ledger, const Ma
 }  // namespace
 
 std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& scans, std::span<const Pose2> guess,
-                                     const ScanLedger& ledger, const OdometryOptions& options, RefinementFit* fit) {
+                                     const ScanLedger& ledger, const OdometryOptions& options,
+                                     const MatchOptions& match, RefinementFit* fit) {
   const std::vector<ScanRecord>& records = ledger.records;
   std::vector<Pose2> out(guess.begin(), guess.end());
   ScanRefiner refiner(backend, scans, options);
@@ -143,11 +168,10 @@ std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& sc
     Twist2 twist;
     if (options.deskew) twist = turn_twist(ledger, guess, i, before, scan.time_increment, timing);
     before = i;
-    const std::size_t kept = counts.kept;
-    out[i] = refiner.refine(i, scan, records[i].keyframe, twist, guess[i], counts);
-    placed[i] = is_tracked(records[i].status) || counts.kept == kept;
+    out[i] = refiner.refine(i, scan, records[i].keyframe, twist, guess[i], kTracked, counts);
+    placed[i] = is_tracked(records[i].status);  // what was lost may fit the map anywhere
   }
-  place_lost_scans(scans, ledger, backend.pieces(), placed, refiner, out);
+  place_lost_scans(scans, ledger, backend.pieces(), match, placed, refiner, out);
   place_others(records, guess, out);
   if (fit != nullptr) *fit = counts;
   return out;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "phasescan/core/pose2.hpp"
+#include "phasescan/match/scan_matcher.hpp"
 #include "phasescan/odometry/options.hpp"
 #include "slam/backend.hpp"
 #include "slam/scan_store.hpp"
@@ -30,6 +31,6 @@ struct RefinementFit {
 /// @cost one registration per scan, one local map per keyframe
 std::vector<Pose2> refine_trajectory(const Backend& backend, const ScanStore& scans, std::span<const Pose2> guess,
                                      const ScanLedger& ledger, const OdometryOptions& options,
-                                     RefinementFit* fit = nullptr);
+                                     const MatchOptions& match, RefinementFit* fit = nullptr);
 
 }  // namespace phasescan

@@ -41,7 +41,7 @@ struct ScansAround {
   std::vector<Pose2> refined(const std::vector<Pose2>& guess) const {
     ScanLedger ledger;
     ledger.records = records;
-    return refine_trajectory(backend, scans, guess, ledger, {});
+    return refine_trajectory(backend, scans, guess, ledger, {}, {});
   }
 };
 
@@ -79,6 +79,7 @@ TEST(TrajectoryRefinement, LostScansAreLedBackFromWhereTrackingFoundItsWayAgain)
   std::vector<Pose2> truth, guess;
   for (int i = 0; i < 12; ++i) {
     truth.push_back({0.05 * i, 0.01 * i, 0.02 * i});
+    if (i >= 8) truth.back().theta += 0.9;  // it turned while no scan came
     run.add(truth.back(), {}, 0.0);
     const bool lost = i >= 4 && i < 8;
     run.records.back().status = lost ? TrackingStatus::kLost : TrackingStatus::kOk;
