@@ -11,6 +11,7 @@ namespace {
 
 constexpr float kFarthestM = 2.5F;                   // [m] parts of a robot are nearer
 constexpr float kSameM = 0.03F, kSameShare = 0.02F;  // [m], of the range: three standard deviations of cheap sensors
+constexpr float kSameSigmas = 4.2F;                  // where a sensor is noisier: three of the difference of two ranges
 constexpr float kChangedM = 0.1F;                    // [m] beyond that the range changed
 constexpr double kChangedShare = 0.15;               // of the directions: the robot moved, or much moved around it
 constexpr double kLeastMoveM = 0.15, kLeastMoveRad = 0.12;  // [m], [rad] of a pair that tells something
@@ -25,7 +26,7 @@ constexpr double kSameShareOfPairs = 0.8;
 constexpr std::uint16_t kContradicted = 3;
 constexpr int kLeastBins = 3;  // in a row
 constexpr int kEdgeBins = 1;   // beside it: beams that meet its edge
-constexpr int kGapBins = 3;    // that no pair saw, within a run
+constexpr int kGapBins = 3;    // that hardly any pair saw, within a run
 
 using Bins = std::array<float, kBodyBins>;
 constexpr float kNone = std::numeric_limits<float>::infinity();
@@ -46,8 +47,24 @@ void fill_bins(const Scan& scan, Bins& bins) {
   }
 }
 
-bool is_same(float a, float b) {
-  return a < kFarthestM && b < kFarthestM && std::abs(a - b) < kSameM + kSameShare * std::min(a, b);
+/// Standard deviation of the ranges [m], from how far hits lie beside the line between their neighbours.
+float noise_of(const Scan& scan) {
+  std::vector<float> bends;
+  for (std::size_t i = 1; i + 1 < scan.size(); ++i) {
+    if (scan.is_hit(i - 1) && scan.is_hit(i) && scan.is_hit(i + 1))
+      bends.push_back(std::abs(scan.ranges[i - 1] - 2.0F * scan.ranges[i] + scan.ranges[i + 1]));
+  }
+  if (bends.empty()) return 0.0F;
+  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
+  std::nth_element(bends.begin(), middle, bends.end());
+  constexpr float kMedianOfBend = 1.65F;  // of three normal errors, for a standard deviation of one
+  return *middle / kMedianOfBend;
+}
+
+/// @param noise  standard deviation of the ranges [m]
+bool is_same(float a, float b, float noise) {
+  return a < kFarthestM && b < kFarthestM &&
+         std::abs(a - b) < std::max(kSameM, kSameSigmas * noise) + kSameShare * std::min(a, b);
 }
 
 double share_changed(const Bins& a, const Bins& b) {
@@ -79,13 +96,13 @@ bool looked_through(const Bins& bins, double x, double y) {
 }
 
 /// Votes of a pair of which the motion is known.
-void vote(const Bins& before, const Bins& now, const Pose2& T_before_now, OwnBodyState& state) {
+void vote(const Bins& before, const Bins& now, float noise, const Pose2& T_before_now, OwnBodyState& state) {
   const Pose2 T_now_before = T_before_now.inverse();
   for (std::size_t k = 0; k < kBodyBins; ++k) {
     if (before[k] == kNone || now[k] == kNone) continue;
     BodyVotes& votes = state.votes[k];
     ++votes.seen;
-    if (!is_same(before[k], now[k])) continue;
+    if (!is_same(before[k], now[k], noise)) continue;
     ++votes.same;
     const double angle = static_cast<double>(k) * kTwoPi / kBodyBins, c = std::cos(angle), s = std::sin(angle);
     const auto from = [&](const Pose2& T, double r) {
@@ -103,8 +120,13 @@ bool always_same(const BodyVotes& votes, std::size_t pairs) {
          votes.same >= kContradicted;
 }
 
-/// Runs of directions that never change, in which enough contradict the scene. What no pair saw there does not end
-/// them.
+/// A direction that hardly any pair saw, and that never changed where one did.
+bool says_little(const BodyVotes& votes, std::size_t pairs) {
+  return 3 * votes.seen < pairs && votes.same == votes.seen;
+}
+
+/// Runs of directions that never change, in which enough contradict the scene. What hardly any pair saw there does
+/// not end them.
 std::vector<BodySector> sectors_of(const OwnBodyState& state) {
   std::array<bool, kBodyBins> body{};
   for (std::size_t k = 0; k < kBodyBins; ++k) body[k] = always_same(state.votes[k], state.pairs);
@@ -113,7 +135,7 @@ std::vector<BodySector> sectors_of(const OwnBodyState& state) {
   };
   const std::array<bool, kBodyBins> same = body;
   for (std::size_t k = 0; k < kBodyBins; ++k) {
-    for (int gap = 1; same[k] && gap <= kGapBins && state.votes[at(k, gap)].seen == 0; ++gap) {
+    for (int gap = 1; same[k] && gap <= kGapBins && says_little(state.votes[at(k, gap)], state.pairs); ++gap) {
       if (!same[at(k, gap + 1)]) continue;
       for (int j = 1; j <= gap; ++j) body[at(k, j)] = true;
     }
@@ -186,8 +208,9 @@ bool OwnBody::add(const Scan& scan, OwnBodyState& state) {
     return false;
   }
   state.wait = 0;
+  const float noise = std::max(noise_of(*state.reference), noise_of(scan));
   std::array<bool, kBodyBins> same{};
-  for (std::size_t k = 0; k < kBodyBins; ++k) same[k] = is_same(before[k], now[k]);
+  for (std::size_t k = 0; k < kBodyBins; ++k) same[k] = is_same(before[k], now[k], noise);
   const MatchResult match = matcher_.match(without_bins(*state.reference, same), without_bins(scan, same));
   const Pose2& moved = match.T_ref_scan;
   if (match.usable && std::hypot(moved.x, moved.y) < kLeastMoveM && std::abs(moved.theta) < kLeastMoveRad) {
@@ -197,7 +220,7 @@ bool OwnBody::add(const Scan& scan, OwnBodyState& state) {
   ++state.tried;
   if (match.usable) {
     ++state.pairs;
-    vote(before, now, moved, state);
+    vote(before, now, noise, moved, state);
   }
   state.reference = scan;
   const bool last = state.pairs >= kMostPairs || state.tried >= kMostTries;

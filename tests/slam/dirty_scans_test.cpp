@@ -219,6 +219,30 @@ TEST(OwnBody, ScansWithAWrongStartAngleDoNotHideTheBody) {
   }
 }
 
+TEST(OwnBody, NoiseAndLostBeamsDoNotHideItAndMakeNone) {
+  for (const std::uint64_t seed : {43u, 48u, 49u}) {
+    for (const bool in_view : {true, false}) {
+      Log log = flat(seed, 500);
+      Random random(seed);
+      for (Scan& scan : log.scans) {
+        if (in_view) add_body(scan, deg_to_rad(100.0), deg_to_rad(-60.0), 0.5F);
+        for (std::size_t i = 0; i < scan.size(); ++i) {
+          if (!scan.is_hit(i)) continue;
+          scan.ranges[i] = std::max(0.05F, scan.ranges[i] + static_cast<float>(0.04 * random.normal()));
+          if (random.uniform() < 0.2) scan.miss(i, BeamState::kInvalid);
+        }
+      }
+      OwnBody own_body;
+      OwnBodyState state;
+      for (const Scan& scan : log.scans) own_body.add(scan, state);
+      ASSERT_EQ(state.sectors.size(), in_view ? 1u : 0u) << seed << " " << format_sectors(state.sectors);
+      if (!in_view) continue;
+      EXPECT_NEAR(rad_to_deg(state.sectors[0].from), 100.0, 5.0);
+      EXPECT_NEAR(rad_to_deg(state.sectors[0].to), -60.0, 5.0);
+    }
+  }
+}
+
 TEST(OwnBody, ARobotThatIsNotInItsViewHasNoSectors) {
   for (const std::uint64_t seed : {44u, 45u, 46u}) {
     const Log log = flat(seed, 500);
