@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "progress.hpp"
+#include "slam_summary.hpp"
 
 namespace phasescan::app {
 namespace {

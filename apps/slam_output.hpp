@@ -103,9 +103,4 @@ void write_parts(const std::string& folder, const SlamResult& result, const Slam
 /// "doubtful: kind: what": the verdict with its strongest reason, where it has one.
 std::string verdict_text(const SlamResult& result);
 
-/// Length of a way [m].
-double path_length(const std::vector<Pose2>& poses);
-/// That of all drives; from one to the next nobody drove.
-double path_length(const SlamResult& result);
-
 }  // namespace phasescan::app

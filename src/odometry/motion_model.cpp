@@ -34,8 +34,8 @@ constexpr double kContradiction = 11.3;  // squared Mahalanobis distance (99 %, 
 constexpr double kMostStepM = 0.15;
 // Standard deviations of a step of which nothing is known [m], [rad], and how much wider after a gap, of the variance.
 constexpr double kUnknownM = 0.05, kUnknownRad = 0.1, kAfterGap = 100.0;
-// Periods by which a step is longer than the ones before for scans to be missing; most that are; [m] of a step.
-constexpr double kLeastMissing = 3.0, kMostMissing = 15.0, kLeastStepM = 0.02;
+// Periods by which a step is longer than the ones before for scans to be missing; [m] of a step.
+constexpr double kLeastMissing = 3.0, kLeastStepM = 0.02;
 constexpr double kSlowDown = 0.5;  // of the speed, per scan without a match
 
 /// Covariance of a step of which nothing is known, a usual period long.
@@ -144,7 +144,7 @@ MotionInput MotionModel::with_scans_missing(MotionInput input, const Pose2& move
   const double one = std::max({kLeastStepM, usual, std::hypot(step.x, step.y)});
   const double steps = std::round(std::hypot(moved.x, moved.y) / one);
   if (steps < kLeastMissing) return input;
-  input.timing.periods = std::min(steps, kMostMissing);
+  input.timing.periods = std::min(steps, ScanTiming::kMostPeriods);
   input.seconds = input.timing.period_s * input.timing.periods;
   return input;
 }

@@ -11,7 +11,6 @@ constexpr std::size_t kRing = 31;    // steps that the usual period is the media
 constexpr double kMostJitter = 0.3;  // of a period: median distance of the steps from their median
 // More time than both of these without a scan is a gap.
 constexpr double kGapPeriods = 15.0, kGapSeconds = 6.0;
-constexpr double kMostPeriods = 15.0;  // that a motion is carried on over
 constexpr double kPeriodsOfGap = 3.0;  // after a gap no motion is carried on; how much wider the search is
 // Scans written several at a time: a quarter of the steps is so much longer than the usual one. Lost scans make fewer.
 constexpr double kLongShare = 0.75, kLongSteps = 2.5;
@@ -34,10 +33,9 @@ double median_of(std::vector<double>& values) {
   return quantile_of(values, 0.5);
 }
 
-/// Whether a quarter of the steps is much longer than half of them: several scans are written at a time.
-bool comes_in_bursts(std::vector<double> steps_s) {
-  const double usual = median_of(steps_s);
-  return quantile_of(steps_s, kLongShare) > kLongSteps * usual;
+/// Whether a quarter of the steps is much longer than the usual one: several scans are written at a time.
+bool comes_in_bursts(std::vector<double> steps_s, double usual_s) {
+  return quantile_of(steps_s, kLongShare) > kLongSteps * usual_s;
 }
 
 }  // namespace
@@ -57,9 +55,10 @@ ScanTiming ScanClock::add(const Scan& scan) {
           ++gaps;
         }
         // Stamps that jitter by much of a period tell when messages were written, not when scans were taken.
-        timing.unsteady = jitter_s >= kMostJitter * period_s || comes_in_bursts(steps_s);
+        timing.unsteady = jitter_s >= kMostJitter * period_s || comes_in_bursts(steps_s, period_s);
         if (!timing.unsteady) {
-          timing.periods = std::clamp(std::round(step / period_s), 1.0, timing.gap ? kPeriodsOfGap : kMostPeriods);
+          timing.periods =
+              std::clamp(std::round(step / period_s), 1.0, timing.gap ? kPeriodsOfGap : ScanTiming::kMostPeriods);
         } else if (step > kUnsureSteps * mean_of(steps_s) && !timing.gap) {
           timing.unsure_s = step;
         }

@@ -11,6 +11,7 @@
 namespace phasescan {
 
 struct ScanTiming {
+  static constexpr double kMostPeriods = 15.0;  ///< that a motion is carried on over
   double periods = 1.0;     ///< how many usual scan periods have passed, 1..15; 1 where stamps say nothing sensible
   double period_s = 0.0;    ///< the usual period [s], 0 = not known yet
   double duration_s = 0.0;  ///< of the scan's turn [s], 0 = unknown

@@ -11,6 +11,20 @@
 
 namespace phasescan {
 
+template <>
+struct StateFields<WheelCounts> {
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("steps", self.steps);
+    v("agreed", self.agreed);
+    v("reversed", self.reversed);
+    v("slipped", self.slipped);
+    v("jumped", self.jumped);
+    visit_since(v, 4, "wheels_m", self.wheels_m);
+    visit_since(v, 4, "scans_m", self.scans_m);
+  }
+};
+
 /// Follows wheel odometry from scan to scan. Plain values.
 struct WheelOdometryMonitor {
   std::optional<Pose2> last;  ///< T_odom_base of the wheels with the scan before
@@ -32,13 +46,7 @@ struct WheelOdometryMonitor {
     v("last", self.last);
     v("trust_distance", self.trust_distance);
     v("trust_turn", self.trust_turn);
-    v("steps", self.counts.steps);
-    v("agreed", self.counts.agreed);
-    v("reversed", self.counts.reversed);
-    v("slipped", self.counts.slipped);
-    v("jumped", self.counts.jumped);
-    visit_since(v, 4, "wheels_m", self.counts.wheels_m);
-    visit_since(v, 4, "scans_m", self.counts.scans_m);
+    StateFields<WheelCounts>::visit(self.counts, v);
   }
 };
 

@@ -58,8 +58,8 @@ struct RunEvidence {
   double open_doubted = 0;          ///< doubted times expected_ratio: scans leave the way open, and so do loops
   double degraded_unconfirmed = 0;  ///< degraded, no wheels, and few loops
   double degraded_bent = 0;  ///< degraded times step_chi2_tail, no wheels: the graph bends what wide searches found
-  // Wheels: steps for each scan, and shares of the steps.
-  double wheels_way_m = 0, wheels_seen_m = 0;  ///< way while they turned: by their account, and by the scans
+  // Wheels: way while they turned, by their account and by the scans; steps for each scan, and shares of the steps.
+  double wheels_way_m = 0, wheels_seen_m = 0;
   double wheels = 0, wheels_agreed = 0, wheels_slipped = 0, wheels_reversed = 0, wheels_jumped = 0;
   // The map against its own scans.
   MapCheck map;

@@ -63,20 +63,6 @@ struct StateFields<MapEdge> {
   }
 };
 
-template <>
-struct StateFields<WheelCounts> {
-  template <class Self, class Visitor>
-  static void visit(Self& self, Visitor&& v) {
-    v("steps", self.steps);
-    v("agreed", self.agreed);
-    v("reversed", self.reversed);
-    v("slipped", self.slipped);
-    v("jumped", self.jumped);
-    visit_since(v, 4, "wheels_m", self.wheels_m);
-    visit_since(v, 4, "scans_m", self.scans_m);
-  }
-};
-
 /// Its nodes are the first keyframes of the graph: they are put back once all is read.
 template <>
 struct StateFields<BackendSnapshot> {

@@ -15,11 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxKeyframes = 24;                  // that make the map of what is around one
 constexpr double kLeastPeriods = 0.3, kMostPeriods = 3.0;  // between two scans that tell of the motion during a turn
-constexpr double kMostMoveM = 0.15, kMostMoveRad = 0.06;   // [m] [rad] a refinement moves a pose less than this
-constexpr double kPriorM = 0.03, kPriorRad = 0.01;         // [m] [rad] standard deviation of the pose before
-// Of a pose that a scan which was lost is led back to: the scan after it may be a little off as well.
-constexpr double kMostMoveLostM = 0.3, kMostMoveLostRad = 0.2, kPriorLostM = 0.1, kPriorLostRad = 0.1;
-constexpr double kGateM = 0.2;  // [m] distance at which points find partners at first
+constexpr double kGateM = 0.2;                             // [m] distance at which points find partners at first
 
 /// Motion of the base during a scan's turn: from the way to the next scan, or from the one before where beams are
 /// listed last to first; zero where the times between them tell nothing. Messages that repeat another are no scans of
@@ -42,12 +38,13 @@ Twist2 turn_twist(const ScanLedger& ledger, std::span<const Pose2> guess, std::s
   return mean_twist(guess[from].inverse() * guess[to], step_s);
 }
 
-/// How well a pose is known before it is refined [m], [rad].
+/// How well a pose is known before it is refined, and by how much less than what it may be moved [m], [rad].
 struct PoseBefore {
   double sigma_m, sigma_rad, most_move_m, most_move_rad;
 };
-constexpr PoseBefore kTracked{kPriorM, kPriorRad, kMostMoveM, kMostMoveRad};
-constexpr PoseBefore kLedBack{kPriorLostM, kPriorLostRad, kMostMoveLostM, kMostMoveLostRad};
+constexpr PoseBefore kTracked{0.03, 0.01, 0.15, 0.06};
+// Of a scan that was lost and led back: the scan after it may be a little off as well.
+constexpr PoseBefore kLedBack{0.1, 0.1, 0.3, 0.2};
 
 /// The pose near `T_map_base` that lays the points on the map; the same where the match fails or moves it far.
 Pose2 refine_pose(const LocalMap& map, const MapPoints& points, const Pose2& T_map_base, const PoseBefore& known,
@@ -127,7 +124,7 @@ bool tells_motion(const ScanRecord& record) {
 void place_lost_scans(const ScanStore& scans, const ScanLedger& ledger, const MapPieces& pieces,
                       const MatchOptions& match, std::vector<char>& placed, ScanRefiner& refiner,
                       std::vector<Pose2>& out) {
-  ScanMatcher matcher(match);
+  std::optional<ScanMatcher> matcher;  // most runs lose no scan
   const auto piece = [&](std::size_t scan) {
     return pieces.of_node[static_cast<std::size_t>(ledger.records[scan].keyframe)];
   };
@@ -140,7 +137,8 @@ void place_lost_scans(const ScanStore& scans, const ScanLedger& ledger, const Ma
     if (!placed[i] && leads_back) {
       Pose2 step;
       if (after < records.size() && placed[after]) step = out[next].inverse() * out[after];
-      const Pose2 back = match_bases(scans, matcher, next, i).value_or(step.inverse());
+      if (!matcher) matcher.emplace(match);
+      const Pose2 back = match_bases(scans, *matcher, next, i).value_or(step.inverse());
       RefinementFit fit;
       const Pose2 found = refiner.refine(i, scans.scan(i), records[next].keyframe, {}, out[next] * back, kLedBack, fit);
       if (fit.kept == 0) out[i] = found, placed[i] = 1;
