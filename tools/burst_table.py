@@ -10,27 +10,20 @@ import argparse
 import concurrent.futures
 import json
 import math
-import os
 import pathlib
 import random
-import subprocess
 import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE / "tools"))
 import tum  # noqa: E402
+from command import DATA, call, markdown  # noqa: E402
 
-COMMAND = os.environ.get("PHASESCAN", str(HERE / "build/release/bin/phasescan"))
-DATA = pathlib.Path(os.environ.get("PHASESCAN_DATA", HERE.parent / "shared/data"))
 # Name, relations, where the laser is on the base: scan logs keep no mounting.
 RECORDED = [("intel-raw", "intel-checked", 0.0), ("fr079-raw", "fr079", 0.04)]
 OPTIONS = [["--odometry", "none"], ["--odometry", "none", "--range-max", "6"], ["--range-max", "6"]]
 SIMULATED = ["building", "corridor"]
-
-
-def call(*words):
-    return subprocess.run([COMMAND, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
 
 
 def lose(whole, lossy, share, least, most, seed):
@@ -142,9 +135,7 @@ def table(rows):
 
 def print_table(rows):
     header, lines = table(rows)
-    print("| " + " | ".join(header) + " |\n|---|---|" + "---:|" * (len(header) - 2))
-    for line in lines:
-        print("| " + " | ".join(map(str, line)) + " |")
+    print(markdown(header, lines, 2), end="")
 
 
 def main():

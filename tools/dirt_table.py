@@ -9,15 +9,14 @@ import concurrent.futures
 import json
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE / "tools"))
 import dirty_logs  # noqa: E402
+from command import call, markdown  # noqa: E402
 
-COMMAND = os.environ.get("PHASESCAN", str(HERE / "build/release/bin/phasescan"))
 SENSORS = ("rplidar-a1", "rplidar-a1-real", "ld06", "ld06-real")
 WORLDS = ("flat", "office")
 
@@ -25,10 +24,6 @@ WORLDS = ("flat", "office")
 def limit(kind, wheels):
     """ATE that a run may have [m]."""
     return 0.03 if wheels or "own" in kind or kind == "clean" else 0.05
-
-
-def call(*words):
-    return subprocess.run([COMMAND, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
 
 
 def run_log(job):
@@ -75,9 +70,7 @@ def table(rows):
 
 def print_table(rows):
     header, lines = table(rows)
-    print("| " + " | ".join(header) + " |\n|" + "---|" * 4 + "---:|" * (len(header) - 4))
-    for line in lines:
-        print("| " + " | ".join(map(str, line)) + " |")
+    print(markdown(header, lines, 4), end="")
 
 
 def main():

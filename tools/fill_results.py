@@ -13,6 +13,7 @@ import subprocess
 import sys
 
 import slam_tables
+from command import markdown
 
 CLASSES = ["small", "middle", "large", "global"]
 
@@ -23,11 +24,6 @@ def number(value, digits):
 
 def percent(share, digits=1):
     return "-" if share is None else f"{100 * share:.{digits}f}"
-
-
-def markdown(header, rows, words=1):
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * words + "---:|" * (len(header) - words)]
-    return "\n".join(lines + ["| " + " | ".join(str(c) for c in row) + " |" for row in rows]) + "\n"
 
 
 def keep(rows, methods):

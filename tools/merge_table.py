@@ -7,22 +7,15 @@ WORD picks by a part of the name. $PHASESCAN names another command than build/re
 import argparse
 import concurrent.futures
 import json
-import os
-import pathlib
 import random
-import subprocess
 import tempfile
 
-HERE = pathlib.Path(__file__).resolve().parent.parent
-COMMAND = os.environ.get("PHASESCAN", str(HERE / "build/release/bin/phasescan"))
+from command import call, markdown
+
 SENSORS = ("rplidar-a1-real", "ld06")
 WORLDS = ("flat", "office", "building")
 LIMIT_M = 0.05  # ATE over all drives
 APART_S = 10000  # between the drives, so that every stamp is one of a kind
-
-
-def call(*words):
-    return subprocess.run([COMMAND, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
 
 
 def positions(truth):
@@ -137,9 +130,7 @@ def table(rows):
 
 def print_table(rows):
     header, lines = table(rows)
-    print("| " + " | ".join(header) + " |\n|---|---|" + "---:|" * (len(header) - 2))
-    for line in lines:
-        print("| " + " | ".join(line) + " |")
+    print(markdown(header, lines, 2), end="")
 
 
 def main():

@@ -1,15 +1,11 @@
 """The SLAM tables of docs/results/slam.md, from the results.json files of scripts/slam_results."""
 import burst_table
 import verdict_runs
+from command import markdown
 
 
 def number(value, digits):
     return "-" if value is None else f"{value:.{digits}f}"
-
-
-def markdown(header, rows, words):
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * words + "---:|" * (len(header) - words)]
-    return "\n".join(lines + ["| " + " | ".join(str(c) for c in row) + " |" for row in rows]) + "\n"
 
 
 def options_of(row):

@@ -15,7 +15,6 @@ import os
 import pathlib
 import random
 import shutil
-import subprocess
 import sys
 import tempfile
 
@@ -23,17 +22,13 @@ HERE = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE / "tools"))
 import dirty_logs  # noqa: E402
 import repeating_worlds  # noqa: E402
+from command import call, markdown  # noqa: E402
 
-COMMAND = os.environ.get("PHASESCAN", str(HERE / "build/release/bin/phasescan"))
 SENSORS = {"rplidar-a1": 5.5, "rplidar-a1-real": 5.5, "ydlidar-x4": 7.0, "ydlidar-x4-real": 7.0, "ld06": 10.0, "ld06-real": 10.0,
            "rplidar-c1": 10.0, "rplidar-c1-real": 10.0}  # turns a second
 SPARSE_SENSORS = {"urg-04lx": 10.0, "urg-04lx-real": 10.0, "ydlidar-x4-real": 7.0, "rplidar-a1-real": 5.5, "ld06-real": 10.0, "hall-30m": 10.0}
 FIRST_TEST_SEED = 200740  # no constant is fitted on runs from here on, nor is any of them looked at when features are chosen
 WORLDS = {"flat": 4, "office": 3, "building": 2, "corridor": 1, "hall": 1}  # by share
-
-
-def call(*words):
-    return subprocess.run([COMMAND, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
 
 
 def bursts_lost(scans, chance):
@@ -343,9 +338,7 @@ def table(rows):
 
 def print_table(rows):
     header, lines = table(rows)
-    print("| " + " | ".join(header) + " |\n|---|" + "---:|" * (len(header) - 1))
-    for line in lines:
-        print("| " + " | ".join(map(str, line)) + " |")
+    print(markdown(header, lines, 1), end="")
 
 
 def main():
