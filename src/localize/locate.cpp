@@ -15,7 +15,7 @@ constexpr double kWellExplained = 0.7;  // share of the hits: another pose that 
 // A pose less likely than this is none to go by: of scans from rooms that the map has not, one in seventy is above it
 // at a wrong place.
 constexpr double kDegradedConfidence = 0.8;
-constexpr double kLeastExplained = 0.35;  // less of a scan is no answer
+constexpr double kLeastOfAnswer = 0.35;  // less of a scan is no answer
 
 /// What a turn of the whole revolution adds: the scan is turned about the laser, and the base with it.
 Eigen::Matrix3d turn_covariance(const Pose2& T_map_base, const Pose2& T_base_laser, double turn_deg) {
@@ -50,7 +50,7 @@ Judged judge_pose(const FoundPose& pose, double margin, const LocalizeOptions& o
   Judged judged;
   judged.confidence = pose_confidence(evidence_of(pose, margin));
   const bool ambiguous = margin < options.ambiguous_gap;
-  if (pose.fit.explained < kLeastExplained) {
+  if (pose.fit.explained < kLeastOfAnswer) {
     judged.status = TrackingStatus::kLost;
   } else if (ambiguous) {
     judged.status = TrackingStatus::kAmbiguous;

@@ -16,7 +16,7 @@ int direction_of(float nx, float ny) {
 }
 
 /// Where a coordinate lies in cells, as std::floor but without a call.
-std::int64_t cell_of(float cells) {
+std::int64_t cell_at(float cells) {
   const auto whole = static_cast<std::int64_t>(cells);
   return whole - (cells < static_cast<float>(whole) ? 1 : 0);
 }
@@ -78,8 +78,8 @@ void LocalMap::add_lone(std::uint64_t cell, float px, float py, float weight, st
 
 void LocalMap::add_point(float px, float py, float nx, float ny, float variance, float normal_variance,
                          std::uint8_t free_standing) {
-  const auto u = static_cast<std::uint64_t>(cell_of(px * inverse_cell_) + (1 << 20));
-  const auto v = static_cast<std::uint64_t>(cell_of(py * inverse_cell_) + (1 << 20));
+  const auto u = static_cast<std::uint64_t>(cell_at(px * inverse_cell_) + (1 << 20));
+  const auto v = static_cast<std::uint64_t>(cell_at(py * inverse_cell_) + (1 << 20));
   const std::uint64_t cell = (u << 21 | v) * (kDirections + 2);
   extent_m_ = std::max({extent_m_, std::fabs(px), std::fabs(py)});
   const float weight = 1.0F / variance;

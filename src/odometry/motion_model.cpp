@@ -20,7 +20,7 @@ constexpr double kHandicap = 0.02;
 constexpr double kMinUsualShare = 0.75;
 constexpr int kTurns = 8;
 constexpr double kTurnRad = 0.06;
-constexpr double kMemory = 0.95;  // weight of the past in the usual score
+constexpr double kMemoryOfUsual = 0.95;  // weight of the past in the usual score
 // How much the motion per scan changes from one to the next in dense logs [m], [rad].
 constexpr double kChangeM = 0.025, kChangeRad = 0.06;
 // Wheels that agreed less often lately are not heard; trusted ones count by this share in what is expected.
@@ -189,7 +189,7 @@ void MotionModel::correct(const MotionUpdate& update, double prediction_score, c
   step_covariance = update.known.inverse() / (periods * periods);
   bound_translation(step_covariance, kMostStepM);
   variability.add(scale_motion(step, periods).inverse() * update.moved);
-  usual_score = kMemory * usual_score + (1.0 - kMemory) * std::max(prediction_score, 0.0);
+  usual_score = kMemoryOfUsual * usual_score + (1.0 - kMemoryOfUsual) * std::max(prediction_score, 0.0);
   step = scale_motion(update.moved, 1.0 / periods);
   learned.learn(step, determines_position(update.seen));
 }

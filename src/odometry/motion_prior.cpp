@@ -15,7 +15,7 @@ constexpr std::size_t kLeastBeams = 40;  // in common with the scan before
 constexpr double kRestM = 0.006, kRestRad = 0.003, kMovingM = 0.03, kTurningRad = 0.06;
 // What is usual: scans until it counts, and the weight of the past.
 constexpr std::size_t kLeastSeen = 20;
-constexpr double kMemory = 0.98;
+constexpr double kMemoryOfMean = 0.98;
 // Rest is told from motion where the two have been this far apart, and a scan within this share of that of rest.
 constexpr double kLeastContrast = 0.4, kNearStill = 0.35;
 constexpr int kInARow = 2;          // one scan may be like the last by chance
@@ -53,7 +53,7 @@ std::optional<double> ReliefCorrelation::add(const SurfacePoints& surface) {
 void MotionPrior::Usual::add(double value) {
   // The plain mean of the first, then one that forgets.
   ++count;
-  mean += std::max(1.0 - kMemory, 1.0 / static_cast<double>(count)) * (value - mean);
+  mean += std::max(1.0 - kMemoryOfMean, 1.0 / static_cast<double>(count)) * (value - mean);
 }
 
 bool MotionPrior::alike(double value) const {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLeastOverlap = 0.3;  // a match that explains less is no guess
 // A match is certain from this confidence on, if so many of those before were: a slow share with this memory.
-constexpr double kCertain = 0.95, kLeastCertainShare = 0.7, kMemory = 0.9;
+constexpr double kCertain = 0.95, kLeastCertainShare = 0.7, kMemoryOfShare = 0.9;
 constexpr std::size_t kMostLasers = 4;
 
 }  // namespace
@@ -50,7 +50,7 @@ std::optional<ScanToScan::Found> ScanToScan::find(LastScans& last_scans, const R
   hints.scan_twist = twist_of_frame(T_base_laser, twist);
   const MatchResult match = matcher_.match(last->measurement.scan, measurement.scan, hints);
   const bool certain = match.usable && match.confidence.value_or(0.0) >= kCertain;
-  last->certain_share = kMemory * last->certain_share + (1.0 - kMemory) * (certain ? 1.0 : 0.0);
+  last->certain_share = kMemoryOfShare * last->certain_share + (1.0 - kMemoryOfShare) * (certain ? 1.0 : 0.0);
   if (!match.usable && match.overlap <= kLeastOverlap) return std::nullopt;
   const Pose2 T_odom_ref = last->T_odom_stamp * T_base_last;
   return Found{T_odom_ref * match.T_ref_scan * T_base_laser.inverse(),

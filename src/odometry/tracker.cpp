@@ -23,7 +23,7 @@ constexpr double kAfterGapShare = 0.8;
 // [rad] in one scan's turn: three centimetres at the far end of a room.
 constexpr double kTestTurnRad = 0.035;
 constexpr double kLittleExplained = 0.6;  // overlap below which a match counts as degraded
-constexpr double kMemory = 0.95;          // weight of the past in the usual score
+constexpr double kMemoryOfScore = 0.95;   // weight of the past in the usual score
 // Standard deviations of the first pose, which is the origin: no more than keeps the covariance definite [m], [rad].
 constexpr double kStartM = 1e-4, kStartRad = 1e-4;
 
@@ -172,7 +172,7 @@ Tracker::Solution Tracker::solve(Scanned& scanned) {
     query.usual_score = state_.usual_score;
     pose = solve_pose(map_, *scanned.frame.points, query, scanned.policy);
     if (pose.found.overlap >= options_.min_overlap)
-      state_.usual_score = kMemory * state_.usual_score + (1.0 - kMemory) * pose.score;
+      state_.usual_score = kMemoryOfScore * state_.usual_score + (1.0 - kMemoryOfScore) * pose.score;
     const MotionInput& motion = scanned.motion;
     if (options_.deskew && motion.timing.duration_s > 0.0 && motion.seconds > 0.0) solve_deskewed(scanned, solution);
   }

@@ -8,7 +8,7 @@ namespace phasescan {
 namespace {
 
 constexpr double kJumpM = 2.0, kJumpRad = 2.0;  // [m], [rad] between scans: an encoder that was reset
-constexpr double kMemory = 0.85;                // weight of the past in the trust, per judged step
+constexpr double kMemoryOfTrust = 0.85;         // weight of the past in the trust, per judged step
 constexpr double kJumpTrust = 0.5;              // what a jump leaves of it
 // What a step may be off by and still agree: standing [m], [rad], and in share of the motion. Cheap robots' wheels.
 constexpr double kAllowedM = 0.03, kAllowedRad = 0.03, kAllowedShare = 0.25;
@@ -54,11 +54,11 @@ WheelConsistency WheelOdometryMonitor::judge(const Pose2& wheel_step, const Pose
   // A comparison counts as much as was seen of the direction driven.
   const Eigen::Vector2d driven(wheel_step.x, wheel_step.y);
   const double seen = driven.norm() > 1e-9 ? driven.normalized().dot(weight * driven.normalized()) : 1.0;
-  const double news = (1.0 - kMemory) * seen;
+  const double news = (1.0 - kMemoryOfTrust) * seen;
   const bool distance_right = off < allowed_m,
              turn_right = std::abs(wrap_angle(wheel_step.theta - found_step.theta)) < allowed_rad;
   trust_distance += news * ((distance_right ? 1.0 : 0.0) - trust_distance);
-  trust_turn = kMemory * trust_turn + (turn_right ? 1.0 - kMemory : 0.0);
+  trust_turn = kMemoryOfTrust * trust_turn + (turn_right ? 1.0 - kMemoryOfTrust : 0.0);
   if (distance_right && turn_right) {
     ++counts.agreed;
     return WheelConsistency::kAgrees;

@@ -9,7 +9,7 @@ namespace phasescan {
 namespace {
 
 // Standard deviations that a step or a match keeps whatever it claims to know [m], [rad].
-constexpr double kWeakM = 1.0, kWeakRad = 0.5;
+constexpr double kOpenM = 1.0, kOpenRad = 0.5;
 
 /// Of T_map_b = T_map_a * T_a_b from that of T_map_a, what lies between them known.
 Eigen::Matrix3d carry(const Eigen::Matrix3d& covariance, const Pose2& T_map_a, const Pose2& T_map_b) {
@@ -52,12 +52,12 @@ void MapCovariance::attached(const GraphSession& session, const Connectivity& co
   if (match_information) {
     if (const auto there = of_node(node, session, connectivity)) {
       state_.covariance = add_error(carry(*there, session.poses()[static_cast<std::size_t>(node)], now),
-                                    edge_information(*match_information, kWeakM, kWeakRad), now);
+                                    edge_information(*match_information, kOpenM, kOpenRad), now);
       return;
     }
   }
   state_.covariance =
-      add_error(carry(state_.covariance, T_map_before, now), edge_information(step_information, kWeakM, kWeakRad), now);
+      add_error(carry(state_.covariance, T_map_before, now), edge_information(step_information, kOpenM, kOpenRad), now);
 }
 
 void MapCovariance::optimized(const GraphSession& session, const Connectivity& connectivity) {

@@ -36,12 +36,12 @@ std::uint64_t take(const std::uint8_t*& at) {
 }
 
 /// What the next record is told relative to.
-struct Before {
+struct LastRecord {
   std::int64_t stamp = 0, keyframe = 0;
   std::uint64_t step = 0;  // of the stamp
 };
 
-void pack(const ScanRecord& record, Before& before, std::vector<std::uint8_t>& out) {
+void pack(const ScanRecord& record, LastRecord& before, std::vector<std::uint8_t>& out) {
   const auto status = static_cast<std::uint8_t>(record.status);
   out.push_back(
       static_cast<std::uint8_t>(status | (record.repeated ? kRepeated : 0) | (record.left_out ? kLeftOut : 0)));
@@ -56,7 +56,7 @@ void pack(const ScanRecord& record, Before& before, std::vector<std::uint8_t>& o
   before = {record.stamp, record.keyframe, step};
 }
 
-ScanRecord unpack(const std::uint8_t*& at, Before& before) {
+ScanRecord unpack(const std::uint8_t*& at, LastRecord& before) {
   ScanRecord record;
   const std::uint8_t flags = *at++;
   record.status = static_cast<TrackingStatus>(flags & (kRepeated - 1));
@@ -77,7 +77,7 @@ ScanRecord unpack(const std::uint8_t*& at, Before& before) {
 
 void PackedRecords::add(std::span<const ScanRecord> records) {
   std::vector<std::uint8_t> chunk;
-  Before before;
+  LastRecord before;
   for (const ScanRecord& record : records) pack(record, before, chunk);
   chunk.shrink_to_fit();
   chunks_.push_back(std::move(chunk));
@@ -93,7 +93,7 @@ std::vector<ScanRecord> PackedRecords::records() const {
   std::vector<ScanRecord> out;
   out.reserve(size_);
   for (const std::vector<std::uint8_t>& chunk : chunks_) {
-    Before before;
+    LastRecord before;
     for (const std::uint8_t* at = chunk.data(); at != chunk.data() + chunk.size();) out.push_back(unpack(at, before));
   }
   return out;

@@ -16,10 +16,10 @@ namespace {
 
 using namespace evidence;
 
-constexpr double kMostSigmaM = 1000.0;  // of a keyframe that no edge ties to the others
-constexpr double kTailShare = 0.05;     // of edges: those that fit worst
-constexpr double kUsualLoops = 0.5;     // of a keyframe: they halve what is not confirmed
-constexpr double kMostUnseen = 40.0;    // longest gap of the runs that verdicts were fitted on
+constexpr double kUntiedSigmaM = 1000.0;  // of a keyframe that no edge ties to the others
+constexpr double kTailShare = 0.05;       // of edges: those that fit worst
+constexpr double kUsualLoops = 0.5;       // of a keyframe: they halve what is not confirmed
+constexpr double kMostUnseen = 40.0;      // longest gap of the runs that verdicts were fitted on
 
 /// Scans that could be matched, and what became of them.
 void count_scans(const SlamResult& result, RunEvidence& e) {
@@ -115,7 +115,7 @@ void look_at_keyframes(const FinishedRun& run, RunEvidence& e) {
   std::vector<double> points;
   for (std::size_t k = 0; k < run.nodes.size(); ++k) {
     const int node = run.nodes[k];
-    const double sigma = std::min(kMostSigmaM, sigmas[index(node)]);
+    const double sigma = std::min(kUntiedSigmaM, sigmas[index(node)]);
     expected += sigma * sigma;
     const Keyframe& keyframe = run.backend->keyframes()[index(node)];
     points.push_back(static_cast<double>(keyframe.points->size()));
