@@ -89,9 +89,7 @@ LocalizationUpdate Localizer::Impl::add(const RangeMeasurement& measurement) {
   bool poor = fits_poorly(odom);
   if (poor && state.poor_scans++ == 0) state.poor_since = update.stamp;
   if (!poor) state.poor_scans = 0;
-  const TrackingStatus before = state.set.empty()
-                                    ? TrackingStatus::kLost
-                                    : judge_pose(state.set.all.front().at, state.set.margin(), options).status;
+  const TrackingStatus before = state.set.empty() ? TrackingStatus::kLost : judge_best(odom.T_odom_base).status;
   if (wants_search(poor, before)) {
     search(query, odom.T_odom_base, poor);
     update.searched = true;

@@ -56,6 +56,7 @@ struct Localizer::Impl {
   void search(const QueryScan& query, const Pose2& T_odom_base, bool poor);
   bool explains_enough(const Pose2& T_odom_base) const;
   bool is_followed(const Pose2& T_odom_base) const;
+  Judged judge_best(const Pose2& T_odom_base) const;
   void judge(bool poor, const RangeMeasurement& measurement, LocalizationUpdate& update);
   std::size_t most() const { return static_cast<std::size_t>(options.max_hypotheses); }
 };

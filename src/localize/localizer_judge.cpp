@@ -39,11 +39,12 @@ bool Localizer::Impl::fits_poorly(const OdometryUpdate& odometry_update) const {
   return explained < kLeastExplained || explained < kPoorShare * state.set.usual_explained || broke(odometry_update);
 }
 
-/// The pose is where odometry leads from one that was ok not long ago, and the map explains some of what is seen.
+/// The pose is where odometry leads from one that was ok not long ago. In a room whose furniture was moved, and
+/// in one that the map lacks, the map explains next to nothing.
 bool Localizer::Impl::is_followed(const Pose2& T_odom_base) const {
   const FoundPose& best = state.set.all.front().at;
   return state.set.known && state.set.known->way_m < kFollowedM &&
-         state.set.led(best.T_grid_base, T_odom_base) == Led::kThere && explained_of_known(best.fit) > kLeastExplained;
+         state.set.led(best.T_grid_base, T_odom_base) == Led::kThere;
 }
 
 /// The map explains no less of the last scan than a place that the map has not would by chance, or than was usual.
@@ -52,12 +53,17 @@ bool Localizer::Impl::explains_enough(const Pose2& T_odom_base) const {
   return evidence_of_view(best.fit, state.set.led(best.T_grid_base, T_odom_base), state.set.usual_explained) > 0.0;
 }
 
+Judged Localizer::Impl::judge_best(const Pose2& T_odom_base) const {
+  const FoundPose& best = state.set.all.front().at;
+  return judge_followed(best, state.set.led(best.T_grid_base, T_odom_base), state.set.margin(), options);
+}
+
 void Localizer::Impl::judge(bool poor, const RangeMeasurement& measurement, LocalizationUpdate& update) {
   if (state.set.empty()) {
     update.status = state.located ? TrackingStatus::kLost : TrackingStatus::kInitialising;
     return;
   }
-  const Judged judged = judge_pose(state.set.all.front().at, state.set.margin(), options);
+  const Judged judged = judge_best(update.T_odom_base);
   update.status = judged.status;
   update.confidence = judged.confidence;
   if (poor && state.poor_scans > 0) {

@@ -31,6 +31,23 @@ double margin_of(const std::vector<FoundPose>& found) {
   return found[0].fit.log_likelihood - found[1].fit.log_likelihood;
 }
 
+Judged judge(double explained, double confidence, double margin, const LocalizeOptions& options) {
+  Judged judged;
+  judged.confidence = confidence;
+  const bool ambiguous = margin < options.ambiguous_gap;
+  if (explained < kLeastOfAnswer) {
+    judged.status = TrackingStatus::kLost;
+  } else if (ambiguous) {
+    judged.status = TrackingStatus::kAmbiguous;
+    judged.confidence = std::min(judged.confidence, options.min_confidence);
+  } else if (judged.confidence > options.min_confidence) {
+    judged.status = TrackingStatus::kOk;
+  } else {
+    judged.status = judged.confidence > kDegradedConfidence ? TrackingStatus::kDegraded : TrackingStatus::kLost;
+  }
+  return judged;
+}
+
 }  // namespace
 
 std::vector<FoundPose> search_thoroughly(const LocalizationMap::Data& map, const QueryScan& scan,
@@ -47,20 +64,13 @@ std::vector<FoundPose> search_thoroughly(const LocalizationMap::Data& map, const
 }
 
 Judged judge_pose(const FoundPose& pose, double margin, const LocalizeOptions& options) {
-  Judged judged;
-  judged.confidence = pose_confidence(evidence_of(pose, margin));
-  const bool ambiguous = margin < options.ambiguous_gap;
-  if (pose.fit.explained < kLeastOfAnswer) {
-    judged.status = TrackingStatus::kLost;
-  } else if (ambiguous) {
-    judged.status = TrackingStatus::kAmbiguous;
-    judged.confidence = std::min(judged.confidence, options.min_confidence);
-  } else if (judged.confidence > options.min_confidence) {
-    judged.status = TrackingStatus::kOk;
-  } else {
-    judged.status = judged.confidence > kDegradedConfidence ? TrackingStatus::kDegraded : TrackingStatus::kLost;
-  }
-  return judged;
+  return judge(pose.fit.explained, pose_confidence(evidence_of(pose, margin)), margin, options);
+}
+
+Judged judge_followed(const FoundPose& pose, Led led, double margin, const LocalizeOptions& options) {
+  PoseEvidence evidence = evidence_of(pose, margin);
+  if (led == Led::kThere) evidence.explained = explained_of_known(pose.fit);
+  return judge(evidence.explained, drive_confidence(evidence, led == Led::kThere), margin, options);
 }
 
 void report_hypotheses(const LocalizationMap::Data& map, const HypothesisSet& set, const Pose2& T_base_laser,

@@ -17,6 +17,8 @@ struct Judged {
   double confidence = 0.0;
 };
 Judged judge_pose(const FoundPose& pose, double margin, const LocalizeOptions& options);
+/// The same of a pose that is followed, by drive_confidence.
+Judged judge_followed(const FoundPose& pose, Led led, double margin, const LocalizeOptions& options);
 
 /// Fills pose, covariance, confidence, fit and hypotheses of an update, in the frame of the map.
 /// @param T_base_laser  about the laser a revolution turns as a whole (revolution_turn_deg)

@@ -19,6 +19,11 @@ PoseEvidence evidence_of(const FoundPose& pose, double margin);
 /// Calibrated: the share of such poses that are within 0.1 m and 3 deg of the truth.
 double pose_confidence(const PoseEvidence& evidence);
 
+/// The same of a pose that views on the way have tested: the margin tells nearly all, and furniture that was moved
+/// since takes little from it.
+/// @param led_there  odometry leads to it from a pose that was ok
+double drive_confidence(const PoseEvidence& evidence, bool led_there);
+
 /// Margin that counts where no other pose was found.
 inline constexpr double kMostMargin = 60.0;
 

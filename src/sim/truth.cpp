@@ -98,7 +98,9 @@ double answer_probability(const LidarOptions& lidar, double range, double cos_in
 /// Variance times length of surface a beam stands for [m^3]: the inverse of the information density along the surface.
 /// A range is off along the beam, a direction across it; what counts is how far the hit is off along the normal.
 double variance_length(const LidarOptions& lidar, double range, double cos_incidence) {
-  const double sigma = lidar.sigma(range), bearing_sigma = lidar.bearing_sigma();
+  // Rounding to the sensor's steps is an error as large in all of a step.
+  const double rounding = lidar.resolution_m / std::sqrt(12.0);
+  const double sigma = std::hypot(lidar.sigma(range), rounding), bearing_sigma = lidar.bearing_sigma();
   const double answers = std::max(1e-6, answer_probability(lidar, range, cos_incidence));
   const double length = range * std::abs(lidar.angle_increment());
   if (bearing_sigma <= 0.0) return length * sigma * sigma * cos_incidence / answers;

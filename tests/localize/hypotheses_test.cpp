@@ -201,5 +201,22 @@ TEST(PoseConfidence, GrowsWithTheMarginToTheEndAndFallsWithWhatContradicts) {
   EXPECT_LT(pose_confidence(against), pose_confidence(usual) - 0.05);
 }
 
+TEST(DriveConfidence, FurnitureThatWasMovedTakesLittleFromWhatIsFollowed) {
+  const double least = LocalizeOptions{}.min_confidence;
+  EXPECT_GT(drive_confidence({50.0, 0.5, 0.02, 0.02}, true), least);
+  EXPECT_LT(drive_confidence({50.0, 0.5, 0.4, 0.02}, true), least);
+  EXPECT_LT(drive_confidence({10.0, 0.9, 0.0, 0.02}, true), least);
+}
+
+/// The first look at a place that explains four fifths of a scan may be one of a room alike.
+TEST(DriveConfidence, WhatIsFoundNeedsAViewMore) {
+  const double least = LocalizeOptions{}.min_confidence;
+  const PoseEvidence first{kFoundFirst, 0.8, 0.0, 0.02}, next{kFoundFirst + 5.0, 0.8, 0.0, 0.02},
+      whole{kFoundFirst, 0.97, 0.0, 0.02};
+  EXPECT_LT(drive_confidence(first, false), least);
+  EXPECT_GT(drive_confidence(next, false), least);
+  EXPECT_GT(drive_confidence(whole, false), least);
+}
+
 }  // namespace
 }  // namespace phasescan

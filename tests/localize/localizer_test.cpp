@@ -158,9 +158,8 @@ TEST(Localizer, NoticesThatItWasCarriedAwayAndFindsItselfAgain) {
   EXPECT_GE(after.ok, 45);
 }
 
-/// The map has the first room alone, and turned by half a turn the other one looks like it: nothing there is ok, and
-/// the first room is known again.
-TEST(Localizer, NothingIsOkAtAWrongPlaceInARoomThatTheMapHasNot) {
+/// Of two_rooms.
+TrinaryMap map_of_first_room() {
   TrinaryMap map = toy_map(two_rooms(), {0, 0});
   for (int k = 0; k < map.height; ++k) {
     for (int i = 0; i < map.width; ++i) {
@@ -169,7 +168,13 @@ TEST(Localizer, NothingIsOkAtAWrongPlaceInARoomThatTheMapHasNot) {
       if (p.x() > 2.9) map.cells[static_cast<std::size_t>(k * map.width + i)] = CellState::kUnknown;
     }
   }
-  Localizer localizer(LocalizationMap::from_grid(map));
+  return map;
+}
+
+/// The map has the first room alone, and turned by half a turn the other one looks like it: nothing there is ok, and
+/// the first room is known again.
+TEST(Localizer, NothingIsOkAtAWrongPlaceInARoomThatTheMapHasNot) {
+  Localizer localizer(LocalizationMap::from_grid(map_of_first_room()));
   Random random(6);
   int wrong_ok = 0, ok_in_first = 0, in_first = 0, in_second = 0;
   Stamp stamp = 0;
@@ -185,6 +190,23 @@ TEST(Localizer, NothingIsOkAtAWrongPlaceInARoomThatTheMapHasNot) {
   EXPECT_GT(in_second, 30);
   EXPECT_EQ(wrong_ok, 0);
   EXPECT_GE(ok_in_first, in_first * 9 / 10) << in_first;
+}
+
+/// From the pose that was ok on, odometry leads through the room that the map lacks: degraded, with a pose, never lost.
+TEST(Localizer, IsNotLostSoonInARoomThatTheMapHasNot) {
+  Localizer localizer(LocalizationMap::from_grid(map_of_first_room()));
+  Random random(6);
+  int lost = 0, in_second = 0;
+  Stamp stamp = 0;
+  for (const Pose2& pose : testing::toy_tour(0.1, 0.4, 0.8)) {
+    const LocalizationUpdate u =
+        localizer.add(measured(toy_scan(two_rooms(), pose, ToyLidar{}, random, stamp += 100'000'000)));
+    in_second += pose.x > 3.5;
+    lost += u.status == TrackingStatus::kLost;
+    EXPECT_TRUE(!u.T_map_base || is_right(*u.T_map_base, pose)) << pose.x;
+  }
+  EXPECT_GT(in_second, 30);
+  EXPECT_EQ(lost, 0);
 }
 
 /// One scan of which a part is new may be of a room that the map has not: views of the way decide. Until then nothing

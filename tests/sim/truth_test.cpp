@@ -105,6 +105,18 @@ TEST(Information, IsWhatTheBestEstimatorReaches) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(std::sqrt(covariance(i, i) / bound(i, i)), 1.0, 0.15) << i;
 }
 
+TEST(Information, RoundingCountsLikeNoise) {
+  const RayCaster caster(rectangle(4.0, 3.0));
+  const Surroundings around{&caster, nullptr};
+  const Pose2 ref{1.6, 1.2, 0.3}, scan{1.9, 1.6, 0.8};
+  LidarOptions rounded = plain_lidar(), noisy = plain_lidar();
+  rounded.sigma_m = 0.001, rounded.sigma_relative = noisy.sigma_relative = 0.0, rounded.resolution_m = 0.03;
+  noisy.sigma_m = std::hypot(0.001, 0.03 / std::sqrt(12.0)), noisy.resolution_m = 0.0;
+  const Matrix3d a = pair_information(around, around, rounded, ref, scan),
+                 b = pair_information(around, around, noisy, ref, scan);
+  EXPECT_LT((a - b).norm(), 1e-9 * b.norm());
+}
+
 TEST(Information, IsBlindAlongACorridor) {
   const World world = make_world(WorldKind::kBareCorridor, 2);
   const RayCaster caster(world.shape);
