@@ -14,9 +14,9 @@ else:  # a map of one drive through a flat; another drive to be found on it
     for entry in first:
         slam.add(entry)
     grid = slam.finish().map
-    log = phasescan.simulate("flat:3", seed=3, duration_s=60.0)
-    log = [log[k] for k in range(100, 160)]
-    truth = first.truth[159]
+    second = phasescan.simulate("flat:3", seed=4, duration_s=40.0)
+    log = [second[k] for k in range(100, 160)]
+    truth = second.truth[159]
 
 localizer = phasescan.Localizer(phasescan.LocalizationMap.from_grid(grid))
 for entry in log:

@@ -174,7 +174,7 @@ def main():
     known = {"phasescan": str(command)}
     for path in pages:
         with tempfile.TemporaryDirectory() as folder:
-            environment = {**os.environ, "PATH": f"{command.parent}:{os.environ['PATH']}", "PYTHONPATH": modules, "MPLBACKEND": "Agg",
+            environment = {**os.environ, "PATH": f"{command.parent}:{pathlib.Path(sys.executable).parent}:{os.environ['PATH']}", "PYTHONPATH": modules, "MPLBACKEND": "Agg",
                            "PYTHONDONTWRITEBYTECODE": "1", "SOURCE": str(source.resolve()), "NO_COLOR": "1"}
             page = {"folder": pathlib.Path(folder), "environment": environment, "known": known, "examples": examples,
                     "python": Python(folder, environment)}

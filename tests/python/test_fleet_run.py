@@ -55,6 +55,7 @@ def test_every_log_has_its_row_and_broken_ones_are_named(fleet):
     cost = json.loads((place / "one" / "cost.json").read_text())
     assert cost["workers"] == 1 and set(cost["cpu_s"]) == {"maps", "index", "places", "ties", "joint maps"}
     assert cost["cpu_s"]["maps"] > 0.2 and 0.0 < cost["cpu_s"]["joint maps"] and sum(cost["cpu_s"].values()) < cost["wall_s"] * 2
+    assert 0.2 < cost["busy_s"] <= cost["wall_s"]  # one worker
 
 
 def test_logs_of_one_place_are_one_group_with_a_map(fleet):

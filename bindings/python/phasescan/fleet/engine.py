@@ -26,6 +26,7 @@ class Engine:
         self.say = say
         self.begin = time.monotonic()
         self.cpu_s: dict[str, float] = {}  # of the tasks of each name, and of the programs that they ran [s]
+        self.busy_s = 0.0  # that workers had a task, all of them together [s]
 
     @property
     def workers(self) -> int:
@@ -40,17 +41,18 @@ class Engine:
         for _ in distributed.as_completed(futures):
             done += 1
             self.say(f"{name}: {done} of {len(futures)} tasks")
-        counted: list[tuple[Outcome, float]] = self.client.gather(futures)
-        self.count(name, sum(cpu for _, cpu in counted))
-        return [outcome for outcome, _ in counted]
+        counted: list[tuple[Outcome, float, float]] = self.client.gather(futures)
+        self.count(name, sum(cpu for _, cpu, _ in counted))
+        self.busy_s += sum(wall for _, _, wall in counted)
+        return [outcome for outcome, _, _ in counted]
 
     def count(self, name: str, cpu_s: float) -> None:
         """Adds CPU time to what stands under a name."""
         self.cpu_s[name] = self.cpu_s.get(name, 0.0) + cpu_s
 
     def cost(self) -> dict[str, Any]:
-        """What it took so far: CPU time by name, wall time, workers."""
-        return {"wall_s": round(time.monotonic() - self.begin, 3), "workers": self.workers,
+        """What it took so far: CPU time by name, wall time, for how long of it workers had a task, workers."""
+        return {"wall_s": round(time.monotonic() - self.begin, 3), "busy_s": round(self.busy_s, 3), "workers": self.workers,
                 "cpu_s": {name: round(cpu, 3) for name, cpu in self.cpu_s.items()}}
 
 
@@ -59,9 +61,10 @@ def cpu_time() -> float:
     return time.thread_time() + sum(os.times()[2:4])
 
 
-def _counted(work: Callable[[Item], Outcome], item: Item) -> tuple[Outcome, float]:
-    begin = cpu_time()
-    return work(item), cpu_time() - begin
+def _counted(work: Callable[[Item], Outcome], item: Item) -> tuple[Outcome, float, float]:
+    begin, cpu = time.monotonic(), cpu_time()
+    outcome = work(item)
+    return outcome, cpu_time() - cpu, time.monotonic() - begin
 
 
 @contextlib.contextmanager
@@ -75,9 +78,10 @@ def open_engine(scheduler: str | None, workers: int, say: Callable[[str], None])
     """
     dask.config.set({"distributed.scheduler.allowed-failures": MOST_DEATHS, "distributed.comm.timeouts.connect": "20s",
                      "distributed.worker.daemon": True, "distributed.admin.tick.limit": "60s",
-                     # What looks at its own processes 2 to 100 times a second, and takes a share of the cores that grows with the time a run takes.
+                     # What looks at its own processes up to 100 times a second, and takes a share of the cores that grows with the time a run takes.
                      "distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "1s",
-                     "distributed.admin.system-monitor.interval": "5s"})
+                     "distributed.admin.system-monitor.interval": "5s", "distributed.client.scheduler-info-interval": "10s",
+                     "distributed.scheduler.work-stealing-interval": "1s"})
     logging.getLogger("distributed").setLevel(logging.ERROR)
     if scheduler:
         with distributed.Client(scheduler) as client:
