@@ -8,18 +8,32 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
 
 #include "io/file.hpp"
 #include "io/number.hpp"
+#include "live/clocks.hpp"
 #include "phasescan/io/error.hpp"
 
 namespace phasescan::live {
 namespace {
 
 constexpr int kWrite_ms = 200, kConnect_ms = 2000;
+
+/// Until bytes can be written, at most so long; a signal does not end it.
+bool wait_for_room(int fd, int wait_ms) {
+  const std::int64_t until_ns = steady_ns() + std::int64_t{1'000'000} * wait_ms;
+  pollfd waiting{fd, POLLOUT, 0};
+  int ready = ::poll(&waiting, 1, wait_ms);
+  while (ready < 0 && errno == EINTR) {
+    const std::int64_t left_ns = std::max<std::int64_t>(0, until_ns - steady_ns());
+    ready = ::poll(&waiting, 1, static_cast<int>(left_ns / 1'000'000));
+  }
+  return ready > 0;
+}
 
 }  // namespace
 
@@ -40,8 +54,7 @@ std::size_t FdPort::read(std::span<std::uint8_t> out, int wait_ms) {
 
 void FdPort::write(std::span<const std::uint8_t> bytes) {
   while (!bytes.empty()) {
-    pollfd waiting{fd_, POLLOUT, 0};
-    if (::poll(&waiting, 1, kWrite_ms) <= 0) return;
+    if (!wait_for_room(fd_, kWrite_ms)) return;
     const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
     if (n < 0 && (errno == EAGAIN || errno == EINTR)) continue;
     if (n < 0) throw PortGone{std::strerror(errno)};
@@ -65,9 +78,8 @@ std::unique_ptr<Port> open_network(const std::string& host, int port, bool udp) 
       error = errno;
       continue;
     }
-    pollfd waiting{fd, POLLOUT, 0};
     socklen_t size = sizeof error;
-    if (::poll(&waiting, 1, kConnect_ms) <= 0) {
+    if (!wait_for_room(fd, kConnect_ms)) {
       error = ETIMEDOUT;
       continue;
     }

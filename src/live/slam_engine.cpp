@@ -11,8 +11,9 @@ namespace {
 
 class SlamEngine final : public LiveEngine, private SlamObserver {
  public:
-  SlamEngine(Slam& slam, std::function<Slam()> renew) : slam_(slam), renew_(std::move(renew)) {
-    slam_.set_observer(this);
+  SlamEngine(Slam& slam, std::function<Slam()> renew, std::size_t path_scans)
+      : slam_(slam), renew_(std::move(renew)), path_scans_(path_scans) {
+    attend();
     if (const auto snapshot = behind(*slam_.map())) session_ = snapshot->last_session;
   }
   ~SlamEngine() override { slam_.set_observer(nullptr); }
@@ -49,7 +50,7 @@ class SlamEngine final : public LiveEngine, private SlamObserver {
   void restart() override {
     slam_.set_observer(nullptr);
     slam_ = renew_();
-    slam_.set_observer(this);
+    attend();
     map_.reset();
     unplaced_.reset();
     session_ = 0;
@@ -74,6 +75,12 @@ class SlamEngine final : public LiveEngine, private SlamObserver {
     Pose2 told;                     // T_map_odom, as a person says
     bool long_broke = false;        // so long unseen that the pose may be anywhere
   };
+
+  /// A sensor sends for days.
+  void attend() {
+    slam_.set_observer(this);
+    slam_.set_path_limit(path_scans_);
+  }
 
   void begin_anew(const std::optional<Pose2>& told) {
     if (slam_.scans() == 0) return;
@@ -130,6 +137,7 @@ class SlamEngine final : public LiveEngine, private SlamObserver {
   static constexpr double kNowhereM = 1000.0;
   Slam& slam_;
   std::function<Slam()> renew_;
+  std::size_t path_scans_ = 0;
   std::shared_ptr<const MapSnapshot> map_;
   std::optional<Unplaced> unplaced_;
   int session_ = 0;                // number of the drive
@@ -142,8 +150,8 @@ class SlamEngine final : public LiveEngine, private SlamObserver {
 
 }  // namespace
 
-std::unique_ptr<LiveEngine> slam_engine(Slam& slam, std::function<Slam()> renew) {
-  return std::make_unique<SlamEngine>(slam, std::move(renew));
+std::unique_ptr<LiveEngine> slam_engine(Slam& slam, std::function<Slam()> renew, std::size_t path_scans) {
+  return std::make_unique<SlamEngine>(slam, std::move(renew), path_scans);
 }
 
 }  // namespace phasescan::live

@@ -81,6 +81,11 @@ void Backend::add_loops(std::span<const Loop> loops) {
   }
 }
 
+KeyframeNumbers Backend::keep_keyframes(const std::vector<std::int32_t>& needed, std::int32_t recent) {
+  session_.keep_submitted(needed, recent);
+  return session_.state().numbers();
+}
+
 void Backend::close_admission() {
   admission_->close();
   place_admitted();

@@ -79,14 +79,19 @@ class Backend {
   /// Poses on the map of all keyframes that were submitted, in that order; in bounded-memory mode not every one became
   /// a node of the graph. With `odometry` as laser odometry saw them.
   std::vector<Pose2> submitted_poses(bool odometry = false) const;
-  std::size_t submitted() const { return session_.submitted().size(); }
-  /// One of them. @param keyframe  below submitted()
+  std::size_t submitted() const { return session_.submitted_count(); }
+  /// One of them. @param keyframe  below submitted(), none of long ago where keep_keyframes() was called
   Pose2 submitted_pose(std::size_t keyframe) const {
-    const SubmittedKeyframe& k = session_.submitted()[keyframe];
+    const SubmittedKeyframe& k = submitted_keyframe(keyframe);
     return poses()[static_cast<std::size_t>(k.node)] * k.T_node_keyframe();
   }
   /// The node that a keyframe which was submitted stands at.
-  int node_of(std::size_t submitted) const { return session_.submitted()[submitted].node; }
+  int node_of(std::size_t submitted) const { return submitted_keyframe(submitted).node; }
+  /// Forgets of the submitted keyframes before `recent` those that are not needed. To be called between batches.
+  /// @param needed  in order. @return which are kept
+  KeyframeNumbers keep_keyframes(const std::vector<std::int32_t>& needed, std::int32_t recent);
+  /// Keyframes of which it is not known yet whether they become nodes.
+  std::vector<Keyframe> waiting() const { return admission_->state().waiting; }
 
   /// The nodes of the graph.
   const std::vector<Keyframe>& keyframes() const { return session_.keyframes(); }
@@ -103,6 +108,9 @@ class Backend {
   void build_surroundings(int node, std::size_t max_keyframes, LocalMap& map) const;
 
  private:
+  const SubmittedKeyframe& submitted_keyframe(std::size_t keyframe) const {
+    return session_.submitted()[keyframe - static_cast<std::size_t>(session_.state().first_submitted)];
+  }
   void place_admitted();
   void insert(Placement placement);
   void attach(const Placement& placement);

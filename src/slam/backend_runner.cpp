@@ -101,6 +101,11 @@ void BackendRunner::wait() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
+bool BackendRunner::at_rest() const {
+  const std::lock_guard lock(mutex_);
+  return !running_;
+}
+
 void BackendRunner::finish(std::vector<Keyframe> batch) {
   if (!batch.empty()) backend_.add_batch(std::move(batch));
   backend_.finish();

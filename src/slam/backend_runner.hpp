@@ -39,6 +39,8 @@ class BackendRunner {
   std::shared_ptr<const BackendResult> take();
   /// Until nothing is in work. @throws what went wrong in a batch
   void wait();
+  /// Whether nothing is in work: `wait` would not wait.
+  bool at_rest() const;
   /// The last keyframes, worked on by the caller. @pre as idle()
   void finish(std::vector<Keyframe> batch);
   /// The back end, when nothing is in work. @pre wait() was called and nothing was submitted since

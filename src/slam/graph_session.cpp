@@ -34,6 +34,36 @@ constexpr double kTakeBack = 0.3;      // share of loops.undo_chi2 below which a
 
 }  // namespace
 
+KeyframeNumbers GraphSessionState::numbers() const {
+  std::vector<std::int32_t> old;
+  old.reserve(old_submitted.size());
+  for (const OldKeyframe& keyframe : old_submitted) old.push_back(keyframe.number);
+  return {std::move(old), first_submitted};
+}
+
+void GraphSessionState::count_kept() {
+  std::vector<SubmittedKeyframe> kept;
+  kept.reserve(old_submitted.size() + submitted.size());
+  for (const OldKeyframe& keyframe : old_submitted) kept.push_back(keyframe.submitted);
+  kept.insert(kept.end(), submitted.begin(), submitted.end());
+  submitted = std::move(kept);
+  old_submitted.clear();
+  first_submitted = 0;
+}
+
+void GraphSession::keep_submitted(const std::vector<std::int32_t>& needed, std::int32_t recent) {
+  if (state_.submitted.empty()) return;
+  const auto last = static_cast<std::int32_t>(state_.submitted_count()) - 1;
+  const std::int32_t first = std::clamp(recent, state_.first_submitted, last);
+  for (std::int32_t k = state_.first_submitted; k < first; ++k)
+    state_.old_submitted.push_back({k, state_.submitted[static_cast<std::size_t>(k - state_.first_submitted)]});
+  state_.submitted.erase(state_.submitted.begin(), state_.submitted.begin() + (first - state_.first_submitted));
+  state_.first_submitted = first;
+  std::erase_if(state_.old_submitted, [&needed](const OldKeyframe& keyframe) {
+    return !std::binary_search(needed.begin(), needed.end(), keyframe.number);
+  });
+}
+
 GraphSession::GraphSession(const LoopOptions& options, GraphSessionState state)
     : options_(options), state_(std::move(state)) {}
 

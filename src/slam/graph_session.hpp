@@ -11,6 +11,7 @@
 #include "phasescan/core/pose2.hpp"
 #include "phasescan/slam/options.hpp"
 #include "slam/keyframe.hpp"
+#include "slam/keyframe_numbers.hpp"
 #include "slam/loop_consistency.hpp"
 
 namespace phasescan {
@@ -38,12 +39,20 @@ struct SubmittedKeyframe {
   }
 };
 
+/// One of long ago, of which not all are kept.
+struct OldKeyframe {
+  std::int32_t number = 0;
+  SubmittedKeyframe submitted;
+};
+
 struct GraphSessionState {
   static constexpr int kVersion = 1;
   std::vector<Keyframe> keyframes;  ///< of the nodes
   PoseGraph graph;
-  std::vector<SubmittedKeyframe> submitted;
-  Pose2 T_odom_last;                ///< T_odom_base of the keyframe submitted last
+  std::vector<SubmittedKeyframe> submitted;  ///< from number first_submitted on
+  std::vector<OldKeyframe> old_submitted;    ///< of those before, in order; none in what is saved
+  std::int32_t first_submitted = 0;          ///< 0 in what is saved
+  Pose2 T_odom_last;                         ///< T_odom_base of the keyframe submitted last
   std::vector<double> travelled_m;  ///< of each node: since the start, breaks of tracking counted as a long way
   double unconfirmed_m = 0.0;       ///< travelled since a loop or the map last showed where the robot is
   std::uint64_t optimisations = 0;
@@ -52,6 +61,13 @@ struct GraphSessionState {
   bool large_correction = false;  ///< one of them moves the map by more than loops.small_error_m
   std::vector<int> large_loops;   ///< edges that are out of reach of the robust kernel
   std::int32_t last_session = 0;  ///< of the keyframe submitted last
+
+  /// How many were submitted, also those that are not kept.
+  std::size_t submitted_count() const { return static_cast<std::size_t>(first_submitted) + submitted.size(); }
+  /// Of the submitted ones.
+  KeyframeNumbers numbers() const;
+  /// Those that are kept are numbered from 0 on.
+  void count_kept();
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -115,7 +131,12 @@ class GraphSession {
   const std::vector<Keyframe>& keyframes() const { return state_.keyframes; }
   const PoseGraph& graph() const { return state_.graph; }
   const std::vector<Pose2>& poses() const { return state_.graph.poses(); }
+  /// The newest of those submitted, all where none was forgotten.
   const std::vector<SubmittedKeyframe>& submitted() const { return state_.submitted; }
+  std::size_t submitted_count() const { return state_.submitted_count(); }
+  /// Forgets of the submitted keyframes before `recent` those that are not needed. The last one is always kept.
+  /// @param needed  in order
+  void keep_submitted(const std::vector<std::int32_t>& needed, std::int32_t recent);
   double travelled_m(int node) const { return state_.travelled_m[static_cast<std::size_t>(node)]; }
   /// The drive of the keyframe submitted last.
   std::int32_t last_session() const { return state_.last_session; }

@@ -6,11 +6,20 @@
 
 namespace phasescan {
 
-/// Where memory is bounded, what no later scan changes is packed, some thousand records at a time.
+void Slam::Impl::settle_records() {
+  if (!bounded()) return;
+  if (path_limit > 0) {
+    thin_path();
+  } else {
+    pack_records();
+  }
+}
+
+/// Some thousand records at a time.
 void Slam::Impl::pack_records() {
   constexpr std::size_t kPiece = 4096;
   std::vector<ScanRecord>& records = state.ledger.records;
-  if (!bounded() || records.size() < 2 * kPiece) return;
+  if (records.size() < 2 * kPiece) return;
   ScanId settled = next_scan() - static_cast<ScanId>(kPiece);
   if (!state.suspect_ids.empty()) settled = std::min(settled, state.suspect_ids.front());
   if (state.first) settled = std::min(settled, state.first->scan);

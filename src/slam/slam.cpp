@@ -11,6 +11,7 @@
 #include "slam/run_judge.hpp"
 #include "slam/slam_impl.hpp"
 #include "slam/trajectory_refinement.hpp"
+#include "slam/whole_run.hpp"
 
 namespace phasescan {
 namespace {
@@ -80,7 +81,9 @@ std::shared_ptr<SlamState::Data> Slam::Impl::checkpoint() {
 
 SlamState Slam::checkpoint() {
   if (impl_->finished) throw std::logic_error("Slam::checkpoint: the run is finished");
-  return SlamState(impl_->checkpoint());
+  auto data = impl_->checkpoint();
+  make_whole(*data);
+  return SlamState(std::move(data));
 }
 
 /// What comes next is tracked as if nothing had come before.
@@ -113,9 +116,11 @@ void Slam::begin_session() {
 }
 
 SlamResult Slam::finish() {
-  Impl& self = *impl_;
-  if (std::exchange(self.finished, true)) throw std::logic_error("Slam::finish: the run is finished already");
+  if (impl_->finished) throw std::logic_error("Slam::finish: the run is finished already");
   const double before = thread_cpu_seconds();
+  if (impl_->state.old.end() > 0) impl_->count_kept();
+  Impl& self = *impl_;
+  self.finished = true;
   self.settle_all();
   self.runner->wait();
   self.runner->finish(std::exchange(self.state.batch, {}));

@@ -66,10 +66,18 @@ struct Slam::Impl {
   bool bounded() const { return options.slam.bounded_memory; }
   /// Whether every scan is kept, and not the keyframes' alone.
   bool keeps_all() const { return options.slam.polish && !bounded(); }
-  ScanId next_scan() const { return static_cast<ScanId>(packed.size() + state.ledger.records.size()); }
-  /// Where in the ledger as it is held the record of a scan is. @pre it is none of those packed
-  std::size_t record_of(ScanId scan) const { return static_cast<std::size_t>(scan) - packed.size(); }
+  ScanId next_scan() const {
+    return state.old.end() + static_cast<ScanId>(packed.size() + state.ledger.records.size());
+  }
+  /// Where in the ledger as it is held the record of a scan is. @pre it is none of those packed or thinned
+  std::size_t record_of(ScanId scan) const { return static_cast<std::size_t>(scan - state.old.end()) - packed.size(); }
+  /// What no later scan changes takes less room from then on.
+  void settle_records();
   void pack_records();
+  void thin_path();
+  std::vector<ScanId> pinned_scans(const Backend& backend) const;
+  void forget_keyframes();
+  void count_kept();
   std::vector<ScanRecord> all_records() const;
   /// The first scan of the session.
   ScanId session_begin() const { return state.ledger.sessions.empty() ? 0 : state.ledger.sessions.back(); }
@@ -84,6 +92,7 @@ struct Slam::Impl {
   PackedRecords packed;   // of the first scans in bounded-memory mode: the ledger in `state` goes on after them
   SlamObserver* observer = nullptr;
   double backend_cpu_s = 0.0;
+  std::size_t path_limit = 0;  // scans of long ago that are kept in bounded-memory mode; 0: all
   bool finished = false;
   KeptScan kept{-1, nullptr, nullptr};  // the measurement in work, once it was kept
 };

@@ -62,7 +62,7 @@ ScanUpdate Slam::Impl::repeat(const RangeMeasurement& measurement) {
   again.repeated = true;
   state.ledger.records.push_back(again);
   if (!bounded()) state.ledger.covariances.push_back(state.ledger.covariances.back());
-  pack_records();
+  settle_records();
   if (keeps_all()) state.store.add(measurement.scan, measurement.T_base_laser);
   ScanUpdate update = state.last;
   update.stamp = measurement.scan.stamp;
@@ -101,7 +101,9 @@ void Slam::Impl::take_keyframe(const TrackedKeyframe& tracked, const KeptScan& s
 
 /// The keyframe of the first tracked scan, now that its pose is known: scans up to here stand relative to it.
 void Slam::Impl::take_first(const TrackedKeyframe& tracked) {
-  for (std::size_t i = record_of(state.first->scan); i < state.ledger.records.size(); ++i) {
+  state.old.stand_at(state.first->scan, state.ledger.keyframes, tracked.T_mid_stamp);
+  const ScanId held = std::max(state.first->scan, state.old.end());
+  for (std::size_t i = record_of(held); i < state.ledger.records.size(); ++i) {
     state.ledger.records[i].keyframe = state.ledger.keyframes;
     state.ledger.records[i].set(tracked.T_mid_stamp);
   }
@@ -161,7 +163,7 @@ void Slam::Impl::record(const TrackerStep& step, const RangeMeasurement& measure
   state.ledger.records.push_back(record);
   if (!bounded())
     state.ledger.covariances.push_back(PackedCovariance::of(update.map_covariance.value_or(update.odom_covariance)));
-  pack_records();
+  settle_records();
 }
 
 void Slam::Impl::hand_over() {

@@ -11,6 +11,7 @@
 #include "phasescan/slam/slam.hpp"
 #include "slam/backend_runner.hpp"
 #include "slam/input_check.hpp"
+#include "slam/old_path.hpp"
 #include "slam/scan_ledger.hpp"
 #include "slam/scan_store.hpp"
 #include "state/fields.hpp"
@@ -78,6 +79,7 @@ struct SlamState::Data {
   std::vector<HeldMeasurement> beginning;
   BackendState backend;  ///< after the batch that was in work
   InputCheckState input;
+  OldPath old;  ///< where the path is thinned: the ledger goes on after it; empty in what is saved
   ScanLedger ledger;
   ScanStore store;
   std::vector<Keyframe> batch;  ///< keyframes that wait to be handed over

@@ -29,7 +29,7 @@ void SnapshotPublisher::publish(std::uint64_t version, const GraphSession& sessi
   snapshot->poses = session.poses();
   snapshot->loops = loops_;
   snapshot->pieces = connectivity.pieces();
-  snapshot->submitted = session.submitted().size();
+  snapshot->submitted = session.submitted_count();
   if (snapshot->submitted > 0) {
     snapshot->T_map_odom = session.T_map_odom();
     snapshot->last_session = session.last_session();

@@ -52,6 +52,19 @@ std::vector<Step> steps_of(const SlamResult& result) {
   return steps;
 }
 
+/// A run of bounded memory, which keeps no covariances, may have left out scans of long ago: that is no gap.
+bool may_be_thinned(const SlamResult& result) {
+  return !result.scans.empty() && !result.scans.front().covariance;
+}
+
+/// Time from scan to scan near a step.
+double usual_near(const std::vector<double>& periods, std::size_t k) {
+  constexpr std::size_t kNear = 15;  // steps before, and after
+  const std::size_t from = k - std::min(k, kNear), to = std::min(periods.size(), k + kNear + 1);
+  return quantile(
+      {periods.begin() + static_cast<std::ptrdiff_t>(from), periods.begin() + static_cast<std::ptrdiff_t>(to)}, 0.5);
+}
+
 /// How much faster and farther than all others the robot goes in one step: where the map has it jump.
 void look_for_jumps(const std::vector<Step>& steps, double period, RunEvidence& e) {
   std::vector<double> ways, speeds, turns;
@@ -89,15 +102,18 @@ void follow_way(const SlamResult& result, RunEvidence& e) {
   }
   for (const Step& step : steps) periods.push_back(step.time_s);
   const double period = quantile(periods, 0.5);
+  const bool thinned = may_be_thinned(result);
   double missed = 0.0;
-  for (const Step& step : steps) {
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const Step& step = steps[k];
+    const double usual_s = thinned ? usual_near(periods, k) : period;
     e.duration_s += step.time_s;
     if (step.time_s > e.longest_gap_s) {
       e.longest_gap_s = step.time_s;
       e.gap_scan = static_cast<ScanId>(step.from);
     }
-    if (step.time_s > kGapPeriods * period) {
-      missed += step.time_s - period;
+    if (step.time_s > kGapPeriods * usual_s) {
+      missed += step.time_s - usual_s;
       e.longest_gap_m = std::max(e.longest_gap_m, step.way_m);
       e.longest_gap_turn = std::max(e.longest_gap_turn, step.turn);
     }

@@ -241,5 +241,31 @@ TEST(SlamEngine, ARestartForgets) {
   EXPECT_EQ(drive.add(1).update.status, TrackingStatus::kOk);
 }
 
+/// A run of days: what it holds of its way is no more after ten rounds than after four, also where all began anew.
+TEST(SlamEngine, ALongRunHoldsSoManyPoses) {
+  constexpr std::size_t kPoses = 100;
+  SlamOptions options;
+  options.slam.bounded_memory = true;
+  const auto begin = [&options] { return Slam(options, Schedule::kLatest); };
+  Slam slam = begin();
+  Drive drive;
+  drive.engine = slam_engine(slam, begin, kPoses);
+  for (const bool again : {false, true}) {
+    if (again) drive.engine->restart();
+    std::size_t early = 0, late = 0;
+    for (int round = 0; round < 10; ++round) {
+      for (std::size_t i = 0; i < drive.tour.size(); i += 2) {
+        drive.add(i);
+        if (i % 50 != 0) continue;
+        const std::size_t held = slam.checkpoint().scans();
+        ((round < 4) ? early : late) = std::max((round < 4) ? early : late, held);
+      }
+    }
+    EXPECT_GT(slam.scans(), 10 * kPoses);
+    EXPECT_LE(late, early + 10);
+    EXPECT_LT(late, 5 * kPoses);
+  }
+}
+
 }  // namespace
 }  // namespace phasescan::live::run_test

@@ -245,5 +245,29 @@ TEST(StatusBoard, SaysWhatAMonitorAsks) {
   EXPECT_THAT(json["messages"].back()["text"].get<std::string>(), HasSubstr("is no UTF-8"));
 }
 
+/// Round after round through rooms that are known: what clients are shown is of the place, not of the time.
+TEST(LiveMapOfALongRun, HoldsNoMoreAfterTenRoundsThanAfterFour) {
+  SlamOptions options;
+  options.slam.bounded_memory = true;
+  const auto begin = [&options] { return Slam(options, Schedule::kLatest); };
+  Slam slam = begin();
+  const auto engine = live::slam_engine(slam, begin);
+  const auto walls = two_rooms();
+  const auto tour = toy_tour(0.2, 0.4, 1.0);
+  Random random(5);
+  LiveMap map{options};
+  std::size_t early = 0, late = 0;
+  int scans = 0;
+  for (int round = 0; round < 10; ++round) {
+    for (std::size_t i = 0; i < tour.size(); i += 2) {
+      const Scan scan = toy_scan(walls, tour[i], {}, random, stamp_from_seconds(100.0 + 0.4 * ++scans));
+      map.add(engine->add(std::make_shared<const RangeMeasurement>(RangeMeasurement{scan})));
+      std::size_t& most = round < 4 ? early : late;
+      most = std::max(most, map.path().size() + map.loops().size());
+    }
+  }
+  EXPECT_LE(late, early + 5);
+}
+
 }  // namespace
 }  // namespace phasescan::serve::viewer_test

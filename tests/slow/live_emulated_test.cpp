@@ -161,6 +161,24 @@ TEST(Emulated, DamagedBytesCostScansNotPoses) {
   EXPECT_LT(rms_error(got), 0.03);
 }
 
+/// One byte in a hundred is wrong: short packets bring poses as ever.
+TEST(Emulated, ABadLineCostsShortPacketsNoPose) {
+  const LiveRun got = run("ld06", 6, {"--corrupt", "0.01"}, {"--sensor", "ld06"});
+  EXPECT_EQ(got.live.code, 130) << got.live.err;
+  EXPECT_GT(got.lines.size(), 40U) << got.live.err;
+  EXPECT_LT(rms_error(got), 0.03);
+}
+
+/// Of packets of 84 bytes more than half are damaged: that is said, and nothing wrong is claimed.
+TEST(Emulated, ABadLineOfLongPacketsIsStatedAndNoPoseIsCalledOk) {
+  const LiveRun got = run("rplidar-a1", 10, {"--corrupt", "0.01"}, {"--sensor", "rplidar-a1"});
+  EXPECT_EQ(got.live.code, 130) << got.live.err;
+  EXPECT_THAT(got.live.err, ::testing::HasSubstr("% of the beams are lost; no pose is called ok"));
+  std::size_t ok = 0;
+  for (const json& line : got.lines) ok += line["status"] == "ok";
+  EXPECT_LE(ok, 1U);  // the first one, before it is known how many are lost
+}
+
 TEST(Emulated, ASensorOverTcp) {
   const LiveRun got = run("sick-tim", 5, {}, {"--sensor", "sick-tim"});
   EXPECT_GT(got.lines.size(), 50U) << got.live.err;

@@ -85,9 +85,13 @@ class LiveEngine {
   virtual void restart() = 0;
 };
 
-/// @param slam   must outlive the engine, which is its observer
-/// @param renew  makes the run that follows a restart
-std::unique_ptr<LiveEngine> slam_engine(Slam& slam, std::function<Slam()> renew);
+/// Poses that a run of bounded memory keeps of its way: half an hour and more; those of longer ago are thinned.
+constexpr std::size_t kPathScans = 16384;
+
+/// @param slam        must outlive the engine, which is its observer
+/// @param renew       makes the run that follows a restart
+/// @param path_scans  given to Slam::set_path_limit
+std::unique_ptr<LiveEngine> slam_engine(Slam& slam, std::function<Slam()> renew, std::size_t path_scans = kPathScans);
 
 /// Finds the robot on a map that is known, with no guess, and follows it there.
 /// @param begin  makes the localizer, now and after each restart

@@ -115,6 +115,11 @@ class Slam {
   /// Null: none. It must outlive this object or be taken away before.
   void set_observer(SlamObserver* observer);
 
+  /// In bounded-memory mode the poses of so many scans are kept, beside those of keyframes and of the newest scans: the
+  /// longer the run gets, the fewer of those of long ago, and days take no more memory than hours. What is saved and
+  /// the result hold the scans that were kept; updates number them as they came. 0: all are kept
+  void set_path_limit(std::size_t scans);
+
   /// All of the run so far, the batch in work included. Waits for it.
   SlamState checkpoint();
 

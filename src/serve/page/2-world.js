@@ -82,8 +82,13 @@ const world = (() => {
     return [i0, k0, i1, k1];
   }
 
+  /// Whether the pose is one of several, of which none is to go by.
+  function is_guess(scan) {
+    return scan.state === "ambiguous" && state.hypotheses.length > 1;
+  }
+
   return {
-    state, kSide, choose,
+    state, kSide, choose, is_guess,
     clear() {
       state.chunks.clear();
       state.tiles.clear();
@@ -123,7 +128,7 @@ const world = (() => {
     },
     scan(scan) {
       state.scan = scan;
-      if (!scan.placed) state.tail = [];
+      if (!scan.placed || is_guess(scan)) state.tail = [];
       else if (scan.state !== "lost") state.tail.push([scan.x, scan.y]);
       if (state.tail.length > 600) state.tail.shift();
     },

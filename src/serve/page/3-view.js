@@ -79,13 +79,12 @@ const view = (() => {
     }
   }
 
-  function line(points, colour, width) {
+  function line(points, colour, width, gap) {
     context.beginPath();
     // Where nobody knows how it went on there is no line.
-    const gap = 1.5;
     let before = null;
     for (const p of points) {
-      if (before && Math.hypot(p[0] - before[0], p[1] - before[1]) < gap * (points.length > 2 ? 1 : 1e9)) context.lineTo(px(p[0]), py(p[1]));
+      if (before && Math.hypot(p[0] - before[0], p[1] - before[1]) < gap) context.lineTo(px(p[0]), py(p[1]));
       else if (p[0] === p[0]) context.moveTo(px(p[0]), py(p[1]));
       before = p[0] === p[0] ? p : null;
     }
@@ -175,8 +174,9 @@ const view = (() => {
     context.lineCap = context.lineJoin = "round";
     const young = draw_loops(now);
     context.globalAlpha = 0.8;
-    line(world.state.path, ink[theme].way, 2);
-    line(world.state.tail, ink[theme].tail, 2);
+    const gap = 1.5, path = world.state.path;
+    line(path, ink[theme].way, 2, path.length > 2 ? gap : Infinity);
+    line(world.state.tail, ink[theme].tail, 2, gap);
     context.globalAlpha = 1;
     if (scan) {
       if (scan.state !== "lost") draw_sigma(scan);
@@ -184,7 +184,7 @@ const view = (() => {
         context.globalAlpha = 0.35 + 0.5 * Math.min(1, at.confidence);
         arrow(at.x, at.y, at.theta, ink[theme].other, 11);
       }
-      const faint = scan.state === "lost" || (scan.state === "ambiguous" && world.state.hypotheses.length > 1);
+      const faint = scan.state === "lost" || world.is_guess(scan);
       context.globalAlpha = faint ? 0.4 : 1;
       draw_scan(scan);
       context.globalAlpha = faint || document.body.dataset.line === "off" ? 0.35 : 1;

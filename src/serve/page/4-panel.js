@@ -74,10 +74,11 @@
   function show_scan(scan) {
     el("n-latency").textContent = scan.latency.toFixed(scan.latency < 10 ? 1 : 0) + " ms";
     el("n-explained").textContent = Math.round(100 * scan.explained) + " %";
-    el("n-pose").textContent = `${scan.x.toFixed(3)} m, ${scan.y.toFixed(3)} m, ${(scan.theta * 180 / Math.PI).toFixed(1)}\u00b0`;
+    const places = world.is_guess(scan) ? `one of ${world.state.hypotheses.length} places` : "";
+    el("n-pose").textContent = places || `${scan.x.toFixed(3)} m, ${scan.y.toFixed(3)} m, ${(scan.theta * 180 / Math.PI).toFixed(1)}\u00b0`;
     const sigma = (v) => 100 * Math.sqrt(Math.max(0, v)), cm = (v) => v < 999 ? v.toFixed(1) : "> 999";
     const turn = Math.sqrt(Math.max(0, scan.tt)) * 180 / Math.PI;
-    el("n-sigma").textContent = `${cm(sigma(scan.xx))} cm, ${cm(sigma(scan.yy))} cm, ${turn < 180 ? turn.toFixed(2) : "> 180"}\u00b0`;
+    el("n-sigma").textContent = places ? "\u2013" : `${cm(sigma(scan.xx))} cm, ${cm(sigma(scan.yy))} cm, ${turn < 180 ? turn.toFixed(2) : "> 180"}\u00b0`;
   }
 
   const clock = (s) => `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStart(2, "0")}`;
