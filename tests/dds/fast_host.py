@@ -12,6 +12,7 @@ import signal
 import struct
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
@@ -110,24 +111,34 @@ class Hosts:
 
     def talker(self, *arguments):
         """A peer that goes on beside what follows."""
-        enter, address = (self.wire.enter, THEIRS) if self.wire else ([], "127.0.0.1")
-        return subprocess.Popen([*enter, self.fast_peer, "--domain", "17", "--address", address, *map(str, arguments)],
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        return Talker(self, arguments)
 
     def peer(self, *arguments):
-        return heard_by(self.talker(*arguments))
+        return self.talker(*arguments).heard()
 
 
-def heard_by(talker):
-    """All that a peer heard, once it has ended."""
-    out, err = talker.communicate(timeout=300)
-    if talker.returncode != 0:
-        fail(f"fast_peer: {talker.returncode}: {err}")
-    messages = [json.loads(line) for line in out.splitlines()]
-    for message in messages:
-        if "error" in message:
-            fail(f"Fast CDR cannot read {message}")
-    return messages
+class Talker:
+    """fast_peer. What it prints goes into a file: in a pipe that nobody reads it would stop."""
+
+    def __init__(self, hosts, arguments):
+        enter, address = (hosts.wire.enter, THEIRS) if hosts.wire else ([], "127.0.0.1")
+        self.out = tempfile.TemporaryFile("w+", dir=hosts.folder)
+        self.process = subprocess.Popen([*enter, hosts.fast_peer, "--domain", "17", "--address", address, *map(str, arguments)], stdout=self.out)
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+
+    def heard(self):
+        """All that it heard, once it has ended."""
+        if self.process.wait(timeout=300) != 0:
+            fail(f"fast_peer ended with {self.process.returncode}")
+        self.out.seek(0)
+        messages = [json.loads(line) for line in self.out]
+        for message in messages:
+            if "error" in message:
+                fail(f"Fast CDR cannot read {message}")
+        return messages
 
 
 class Live:
