@@ -22,7 +22,8 @@ struct LiveLink {
 };
 
 /// Scans of topics, as `ros2:/scan` or `ros2:/front,/back` names them, with mountings and odometry of /tf. Where no
-/// transform leads from a laser to base_link or base_footprint for two seconds, it is taken to sit at the base.
+/// transform leads from a laser to base_link or base_footprint for two seconds (seven where somebody publishes
+/// /tf_static), it is taken to sit at the base.
 /// @throws std::invalid_argument for names that ROS 2 does not allow
 std::unique_ptr<live::LiveSource> open_ros2(std::shared_ptr<LiveLink> link, const std::string& port);
 

@@ -121,6 +121,10 @@ RawReader Participant::raw_reader(std::string_view topic, std::string_view type,
   return RawReader(reader);
 }
 
+void Participant::close(const RawReader& reader) {
+  dds_delete(reader.entity_);
+}
+
 void Participant::wait(double seconds) {
   dds_waitset_wait(waitset_, nullptr, 0, static_cast<dds_duration_t>(seconds * 1e9));
 }

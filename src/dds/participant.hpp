@@ -39,6 +39,7 @@ class RawWriter {
 class RawReader {
  public:
   RawReader(RawReader&&) noexcept = default;
+  RawReader& operator=(RawReader&&) noexcept = default;
   /// The oldest that was not taken; false where there is none.
   bool take(std::vector<std::uint8_t>& cdr);
   std::size_t writers() const;  ///< that there are now
@@ -72,6 +73,7 @@ class Reader {
   std::size_t writers() const { return raw_.writers(); }
 
  private:
+  friend class Participant;
   RawReader raw_;
   std::vector<std::uint8_t> bytes_;
 };
@@ -94,12 +96,20 @@ class Participant {
   Reader<M> reader(std::string_view topic, const ros2::Qos& qos, bool own = true) {
     return Reader<M>(raw_reader(topic, ros2::Message<M>::type, qos, own));
   }
+  /// Puts a new reader in the place of one: every writer tells it what it keeps for those that come late. What was not
+  /// taken is lost.
+  template <class M>
+  void renew(Reader<M>& reader, std::string_view topic, const ros2::Qos& qos, bool own = true) {
+    close(reader.raw_);
+    reader.raw_ = raw_reader(topic, ros2::Message<M>::type, qos, own);
+  }
   /// Waits until a reader has something, at most so long [s].
   void wait(double seconds);
 
  private:
   RawWriter raw_writer(std::string_view topic, std::string_view type, const ros2::Qos& qos);
   RawReader raw_reader(std::string_view topic, std::string_view type, const ros2::Qos& qos, bool own);
+  static void close(const RawReader& reader);
   int topic_entity(std::string_view topic, std::string_view type);
 
   std::string name_;  // for messages

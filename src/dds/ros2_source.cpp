@@ -17,7 +17,10 @@ using ros2::Role;
 using ros2::Trouble;
 
 constexpr double kWait_s = 0.02, kTellAgain_s = 10.0;
-constexpr std::uint64_t kGiveUpMounting = 20;  // scans whose laser no transform leads to: two seconds of a usual one
+// Scans whose laser no transform leads to, until it is taken to sit at the base: two seconds of a usual one. Longer
+// where somebody publishes /tf_static: Fast DDS repeats every 3 s what a reader missed, and that may be lost once.
+constexpr std::uint64_t kGiveUpMounting = 20;
+constexpr double kGiveUpPublished_s = 7.0;
 
 const ros2::Qos& qos_of(std::string_view topic) {
   return ros2::endpoint(Role::kSlam, Direction::kIn, topic).qos;
@@ -66,10 +69,11 @@ class Ros2Source final : public live::LiveSource {
       {
         const std::lock_guard lock(link_->mutex);
         const Stamp now = live::system_ns();
+        meet_static_writers(now);
         take_transforms(static_tf_, true, now);
         take_transforms(tf_, false, now);
         for (ScanTopic& topic : scans_) take_scans(topic, now);
-        choose_frames(tell);
+        choose_frames(now, tell);
         ready = intake_.take_ready(now);
         for (ScanTopic& topic : scans_) tell_writers(topic, now, tell);
         tell_troubles(now, tell);
@@ -98,6 +102,18 @@ class Ros2Source final : public live::LiveSource {
              [&](const ros2::TFMessage& message) { intake_.add_transforms(message, is_static, now); });
   }
 
+  /// A writer of Fast DDS says what it keeps as soon as it knows of a reader, which may not know the writer yet and
+  /// drops that, and again 3 s later. A reader that comes once the writer is known is told at once.
+  void meet_static_writers(Stamp now) {
+    const std::size_t writers = static_tf_.writers();
+    if (writers > static_writers_) {
+      take_transforms(static_tf_, true, now);
+      link_->participant.renew(static_tf_, "/tf_static", qos_of("/tf_static"), false);
+      met_static_ = now;
+    }
+    static_writers_ = writers;
+  }
+
   void take_scans(ScanTopic& topic, Stamp now) {
     take_all(topic.reader, topic.name, now, [&](const ros2::LaserScan& message) {
       intake_.add_scan(topic.name, message, now);
@@ -105,7 +121,7 @@ class Ros2Source final : public live::LiveSource {
     });
   }
 
-  void choose_frames(const std::function<void(const std::string&)>& tell) {
+  void choose_frames(Stamp now, const std::function<void(const std::string&)>& tell) {
     ros2::IntakeOptions options = intake_.options();
     const ros2::TransformBuffer& known = intake_.transforms();
     if (options.base_frame == "base_link" && !known.is_known("base_link") && known.is_known("base_footprint")) {
@@ -114,6 +130,7 @@ class Ros2Source final : public live::LiveSource {
     }
     if (!options.mounting_from_tf || intake_.took_any() || scans_seen_ < kGiveUpMounting) return;
     if (link_->told.count(Trouble::kScanBeforeTransform) == 0) return;
+    if (static_writers_ > 0 && stamp_to_seconds(now - met_static_) < kGiveUpPublished_s) return;
     options.mounting_from_tf = false;
     intake_.set_options(options);
     tell("no transform leads from the laser to base_link: it is taken to sit at the robot's origin, looking ahead");
@@ -149,6 +166,8 @@ class Ros2Source final : public live::LiveSource {
   std::vector<ScanTopic> scans_;
   ros2::ScanIntake intake_;
   std::uint64_t scans_seen_ = 0;
+  std::size_t static_writers_ = 0;
+  Stamp met_static_ = 0;
   std::array<Told, static_cast<std::size_t>(Trouble::kCount)> told_;
 };
 

@@ -1,75 +1,20 @@
 #!/usr/bin/env python3
-"""`phasescan live` and a host that runs Fast DDS, on the loopback interface: scans one way, transforms, pose, map and path the
-other; a peer that goes and comes back; scans that are none.
+"""`phasescan live` and a host that runs Fast DDS, in network namespaces: scans one way, transforms, pose, map and path the
+other; a peer that goes and comes back; a run that is killed and goes on; a wire that loses packets or is cut; scans that are none.
 
-Usage: check_fast_peer.py PHASESCAN FAST_PEER [--table]. With --table prints figures of longer runs instead of checking.
+Usage: check_fast_peer.py PHASESCAN FAST_PEER
 """
-import json
 import math
-import os
 import pathlib
-import resource
-import signal
-import subprocess
 import sys
 import tempfile
 import time
 
-PHASESCAN, PEER = sys.argv[1:3]
-DOMAIN = 10 + os.getpid() % 90
-EPOCH = 1_700_000_000  # what fast_peer adds to the stamps of a log
-ENVIRONMENT = dict(os.environ, ROS_DOMAIN_ID=str(DOMAIN), ROS_LOCALHOST_ONLY="1")
-ENVIRONMENT.pop("CYCLONEDDS_URI", None)
+from fast_host import Hosts, Wire, enter_namespace, fail, on, simulate, transforms, way_error_m
 
-
-def fail(text):
-    sys.exit(f"check_fast_peer: {text}")
-
-
-def simulate(folder, beams=360, seconds=30):
-    """A robot in a flat, 10 scans a second, with wheels that drift."""
-    log, sensor = folder / f"drive{beams}.jsonl", folder / f"{beams}.yaml"
-    sensor.write_text(f"beams: {beams}\nfov_deg: 360\nrange_min_m: 0.05\nrange_max_m: 12\nsigma_m: 0.012\ndropout: 0.01\nrate_hz: 10\n")
-    subprocess.run([PHASESCAN, "simulate", "--world", "flat", "--sensor", sensor, "--duration", str(seconds), "--odometry", "--seed", "3",
-                    "--out", log], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    return log
-
-
-class Live:
-    """phasescan live, and what it says. `cpu_s` once it has ended."""
-
-    def __init__(self, folder, *arguments):
-        self.out, self.err = folder / "live.out", folder / "live.err"
-        self.process = subprocess.Popen([PHASESCAN, "live", *arguments, "--json", "--serve", "off"], env=ENVIRONMENT, stdout=open(self.out, "w"),
-                                        stderr=open(self.err, "w"))
-
-    def end(self):
-        self.process.send_signal(signal.SIGINT)
-        _, status, usage = os.wait4(self.process.pid, 0)
-        self.process.returncode = os.waitstatus_to_exitcode(status)
-        self.cpu_s = usage.ru_utime + usage.ru_stime
-        if self.process.returncode not in (0, 130):
-            fail(f"live ended with {self.process.returncode}: {self.err.read_text()}")
-        return [json.loads(line) for line in self.out.read_text().splitlines()], self.err.read_text()
-
-
-def peer(*arguments, **more):
-    done = subprocess.run([PEER, "--domain", str(DOMAIN), *map(str, arguments)], capture_output=True, text=True, timeout=300, **more)
-    if done.returncode != 0:
-        fail(f"fast_peer: {done.returncode}: {done.stderr}")
-    messages = [json.loads(line) for line in done.stdout.splitlines()]
-    for message in messages:
-        if "error" in message:
-            fail(f"Fast CDR cannot read {message}")
-    return messages
-
-
-def on(topic, messages):
-    return [message for message in messages if message["topic"] == topic]
-
-
-def transforms(messages, child):
-    return [t for m in on("/tf", messages) for t in m["transforms"] if t["child"] == child]
+HOSTILE = (("nan", "no_returns"), ("empty", "no_beams"), ("beams", "beams_changed"), ("noframe", "bad_scan"), ("jump", "clock_jumped_back"),
+           ("publishers", "two_publishers"))
+MOST_RESTART_S = 3.0  # 2 s on a machine that does nothing else
 
 
 def times(a, b):
@@ -77,40 +22,34 @@ def times(a, b):
     return [a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2]]
 
 
-def truth_of(log):
-    """Pose by stamp [us]."""
-    poses = {}
-    for line in pathlib.Path(f"{log}.truth.tum").read_text().splitlines():
-        if line.startswith("#"):
-            continue
-        t, x, y, _, _, _, z, w = map(float, line.split())
-        poses[round((t + EPOCH) * 1e6)] = [x, y, 2 * math.atan2(z, w)]
-    return poses
+def check_once(what, stamps):
+    if len(set(stamps)) != len(stamps):
+        fail(f"{what} came twice")
+    if stamps != sorted(stamps):
+        fail(f"{what} came out of order")
 
 
-def relative(a, b):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    return [c * dx + s * dy, -s * dx + c * dy, b[2] - a[2]]
+def check_map(messages, when):
+    maps = on("/map", messages)
+    if not maps or maps[-1]["occupied"] < 200 or maps[-1]["cells"] != maps[-1]["width"] * maps[-1]["height"]:
+        fail(f"no map {when}")
+    return maps[-1]
 
 
-def check_scans_in(folder, log, odometry):
-    live = Live(folder, "--port", "ros2:/scan", "--ros2")
+def check_scans_in(hosts, log, odometry):
+    live = hosts.live("--port", "ros2:/scan", "--ros2")
     flags = ["--odometry"] if odometry else []
-    messages = peer("--seconds", 12, "--scans", log, "--count", 80, *flags)
-    late = peer("--seconds", 3)
+    messages = hosts.peer("--seconds", 12, "--scans", log, "--count", 80, *flags)
+    late = hosts.peer("--seconds", 3)
     lines, err = live.end()
     if len(lines) < 70:
         fail(f"{len(lines)} of 80 scans were used: {err}")
-    stamps = [line["stamp"] for line in lines]
-    if len(set(stamps)) != len(stamps) or stamps != sorted(stamps):
-        fail("a scan was used twice, or out of order")
-    poses, truth = on("/pose", messages), truth_of(log)
+    check_once("a scan", [line["stamp"] for line in lines])
+    poses = on("/pose", messages)
     if len(poses) < 60:
         fail(f"{len(poses)} poses came")
-    first, last = (truth[p["stamp"] // 1000] for p in (poses[0], poses[-1]))
-    ours = relative(poses[0]["pose"], poses[-1]["pose"])
-    error = math.hypot(*(a - b for a, b in zip(ours[:2], relative(first, last)[:2])))
+    check_once("a pose", [pose["stamp"] for pose in poses])
+    error = way_error_m(poses, log)
     if error > 0.15:
         fail(f"the last pose is off by {error:.3f} m")
     if not all(0 < p["covariance"][i] < 10 for p in poses for i in (0, 3, 4)):
@@ -120,10 +59,8 @@ def check_scans_in(folder, log, odometry):
         fail("map -> odom is missing")
     if bool(transforms(messages, "base_link")) == odometry:
         fail("odom -> base_link must be published where nobody else does, and there alone")
-    for messages_of, when in ((messages, "while scans came"), (late, "to one who came late")):
-        maps = on("/map", messages_of)
-        if not maps or maps[-1]["occupied"] < 200 or maps[-1]["cells"] != maps[-1]["width"] * maps[-1]["height"]:
-            fail(f"no map {when}")
+    occupied = check_map(messages, "while scans came")["occupied"]
+    check_map(late, "to one who came late")
     if "ok" not in [m["data"] for m in on("/status", messages)] or not on("/diagnostics", messages):
         fail("status or diagnostics are missing")
     if not odometry:  # the whole way from map to base, at the stamp of a pose
@@ -134,32 +71,91 @@ def check_scans_in(folder, log, odometry):
         if math.dist(whole[:2], pose["pose"][:2]) > 1e-6:
             fail("map -> odom -> base_link is not the pose")
     print(f"scans of Fast DDS, odometry {'of /tf' if odometry else 'none'}: {len(lines)} used, last pose {error:.3f} m off, map "
-          f"of {on('/map', messages)[-1]['occupied']} occupied cells")
+          f"of {occupied} occupied cells")
 
 
-def check_peer_comes_back(folder, log):
-    live = Live(folder, "--port", "ros2:/scan", "--ros2")
-    talker = subprocess.Popen([PEER, "--domain", str(DOMAIN), "--seconds", "60", "--scans", log, "--count", "1000"],
-                              stdout=subprocess.DEVNULL)
-    time.sleep(4)
+def check_peer_comes_back(hosts, log):
+    live = hosts.live("--port", "ros2:/scan", "--ros2")
+    talker = hosts.talker("--seconds", 60, "--scans", log)
+    time.sleep(5)
     talker.kill()  # no goodbye: it is missed when its lease ends, or replaced before
-    talker.wait()
-    peer("--seconds", 5, "--scans", log, "--first", 60, "--count", 30)
+    hosts.peer("--seconds", 6, "--scans", log, "--first", 60, "--count", 30)
     lines, err = live.end()
-    stamps = [line["stamp"] for line in lines]
-    if len(set(stamps)) != len(stamps):
-        fail("scans were used twice after the peer was back")
+    check_once("a scan", [line["stamp"] for line in lines])
     if len(lines) < 35 or lines[-1]["status"] != "ok":
-        fail(f"{len(lines)} scans, in the end {lines[-1]['status']}: {err}")
+        fail(f"a peer that came back: {len(lines)} scans, in the end {lines[-1]['status']}: {err}")
     print(f"a peer killed and back: {len(lines)} scans, none twice")
 
 
-def check_hostile(folder, log, kind, name):
-    live = Live(folder, "--port", "ros2:/scan", "--ros2")
-    more = ["--publishers", 2] if kind == "publishers" else ["--mangle", kind]
-    messages = peer("--seconds", 6, "--scans", log, "--count", 40, *more)
+def check_live_comes_back(hosts, log):
+    """Killed without a goodbye and started again with what it had saved, while the robot drives on."""
+    state = hosts.folder / "run.state"
+    arguments = ["--port", "ros2:/scan", "--ros2", "--save", state]
+    live = hosts.live(*arguments)
+    talker = hosts.talker("--seconds", 24, "--scans", log, "--count", 200)
+    time.sleep(13)
+    live.kill()
+    killed = time.time()
+    live = hosts.live(*arguments, "--resume", state)
+    messages = talker.heard()
     lines, err = live.end()
-    values = on("/diagnostics", messages)[-1]["values"]
+    after = [pose for pose in on("/pose", messages) if pose["heard"] > killed]
+    if not after:
+        fail(f"no pose came after the run was killed: {err}")
+    back = after[0]["heard"] - killed
+    poses = [p for p in on("/pose", messages) if p["heard"] <= killed][:1] + after
+    check_once("a pose", [pose["stamp"] for pose in on("/pose", messages)])
+    error = way_error_m(poses, log)
+    if back > MOST_RESTART_S:
+        fail(f"a pose came {back:.2f} s after the run was killed, not within {MOST_RESTART_S} s")
+    if error > 0.15 or lines[-1]["status"] != "ok":
+        fail(f"gone on, the last pose is {error:.3f} m off, {lines[-1]['status']}: {err}")
+    print(f"killed and started again: a pose after {back:.2f} s, the last one {error:.3f} m off on the map of before")
+
+
+def check_lossy(hosts, log):
+    """One frame in ten vanishes, then all for longer than a lease."""
+    hosts.wire.loss, hosts.wire.frames, hosts.wire.lost = 0.1, 0, 0
+    live = hosts.live("--port", "ros2:/scan", "--ros2")
+    talker = hosts.talker("--seconds", 50, "--scans", log, "--count", 440)
+    time.sleep(20)
+    frames, lost = hosts.wire.frames, hosts.wire.lost
+    hosts.wire.loss = 1.0
+    cut = time.time()
+    time.sleep(12)
+    hosts.wire.loss = 0.1
+    whole = time.time()
+    messages = talker.heard()
+    late = hosts.peer("--seconds", 8)
+    hosts.wire.loss = 0.0
+    lines, err = live.end()
+    check_once("a scan", [line["stamp"] for line in lines])
+    poses = on("/pose", messages)
+    check_once("a pose", [pose["stamp"] for pose in poses])
+    check_once("a transform", [t["stamp"] for t in transforms(messages, "base_link")])
+    check_map(late, "to one who came late, where packets are lost")
+    before = [p for p in poses if p["heard"] < cut]
+    after = [p for p in poses if p["heard"] > whole]
+    if not before or not after or lines[-1]["status"] != "ok":
+        fail(f"{len(before)} poses came before the wire was cut, {len(after)} after; in the end {lines[-1]['status']}: {err}")
+    # Poses are reliable: of those between the first and the last before the cut none may be missing.
+    span = [line for line in lines if before[0]["stamp"] <= round(line["stamp"] * 1e9) <= before[-1]["stamp"] and line["status"] == "ok"]
+    error = way_error_m(poses, log)
+    if len(before) < len(span) - 1:
+        fail(f"{len(before)} of {len(span)} poses came where packets are lost")
+    if error > 0.15:
+        fail(f"the last pose is {error:.3f} m off")
+    print(f"{100 * lost / frames:.1f} % of {frames} frames lost, the wire cut for 12 s: {len(lines)} scans were used, {len(before)} of "
+          f"{len(span)} poses came before the cut, the first after it {after[0]['heard'] - whole:.1f} s later, none twice, last pose {error:.3f} m off")
+
+
+def check_hostile(hosts, log, kind, name):
+    live = hosts.live("--port", "ros2:/scan", "--ros2")
+    more = ["--publishers", 2] if kind == "publishers" else ["--mangle", kind]
+    messages = hosts.peer("--seconds", 7, "--scans", log, "--count", 40, *more)
+    lines, err = live.end()
+    told = on("/diagnostics", messages)
+    values = told[-1]["values"] if told else {}
     if name not in values or name not in err:
         fail(f"{kind}: expected {name} in the diagnostics and on standard error: {values} {err}")
     if len(lines) < 15:
@@ -167,9 +163,9 @@ def check_hostile(folder, log, kind, name):
     print(f"{kind}: {name}: {values[name]}")
 
 
-def check_demo(folder):
-    live = Live(folder, "--demo", "--ros2")
-    messages = peer("--seconds", 5, "--hear-scans", "--pose", "1,2,0.5")
+def check_demo(hosts):
+    live = hosts.live("--demo", "--ros2")
+    messages = hosts.peer("--seconds", 5, "--hear-scans", "--pose", "1,2,0.5")
     _, err = live.end()
     scans = on("/scan", messages)
     if len(scans) < 10 or scans[0]["frame"] == "" or not on("/map", messages):
@@ -182,33 +178,22 @@ def check_demo(folder):
     print(f"a sensor's scans, mounting, map: {len(scans)} scans came to Fast DDS")
 
 
-def table(folder):
-    log = simulate(folder, beams=720, seconds=70)
-    live = Live(folder, "--port", "ros2:/scan", "--ros2")
-    start = time.time()
-    messages = peer("--seconds", 64, "--scans", log, "--count", 600)
-    lines, _ = live.end()
-    wall = time.time() - start
-    late = sorted(t["latency_ms"] for child in ("odom", "base_link") for t in transforms(messages, child) if "latency_ms" in t)
-    beams = len(json.loads(log.read_text().splitlines()[0])["ranges"])
-    print(f"| scan said by Fast DDS to tf heard by it, {len(lines)} scans of {beams} beams at 10 Hz | p50 {late[len(late) // 2]:.2f} ms, "
-          f"p99 {late[int(0.99 * len(late))]:.2f} ms, most {late[-1]:.2f} ms |")
-    print(f"| CPU of `phasescan live` | {100 * live.cpu_s / wall:.1f} % of one core |")
-
-
 def main():
+    enter_namespace()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        if "--table" in sys.argv:
-            return table(folder)
-        log = simulate(folder)
-        check_scans_in(folder, log, odometry=False)
-        check_scans_in(folder, log, odometry=True)
-        check_peer_comes_back(folder, log)
-        for kind, told in (("nan", "no_returns"), ("empty", "no_beams"), ("beams", "beams_changed"), ("noframe", "bad_scan"),
-                           ("jump", "clock_jumped_back"), ("publishers", "two_publishers")):
-            check_hostile(folder, log, kind, told)
-        check_demo(folder)
+        hosts = Hosts(*sys.argv[1:3], folder)
+        log, long_log = simulate(sys.argv[1], folder), simulate(sys.argv[1], folder, beams=361, seconds=60)
+        check_scans_in(hosts, log, odometry=False)
+        check_scans_in(hosts, log, odometry=True)
+        check_peer_comes_back(hosts, log)
+        check_live_comes_back(hosts, log)
+        for kind, told in HOSTILE:
+            check_hostile(hosts, log, kind, told)
+        check_demo(hosts)
+        wire = Wire()
+        check_lossy(Hosts(*sys.argv[1:3], folder, wire), long_log)
+        wire.end()
 
 
 if __name__ == "__main__":
