@@ -17,78 +17,99 @@ struct IsVector : std::false_type {};
 template <class T>
 struct IsVector<std::vector<T>> : std::true_type {};
 
+/// What a message is made of, written.
 class Encoder {
  public:
   explicit Encoder(ByteWriter& out) : cdr_(out) {}
 
-  void time(std::string_view, Stamp stamp) {
+  void stamp(Stamp stamp) {
     const Stamp rest = (stamp % kSecond + kSecond) % kSecond;
     cdr_.put(static_cast<std::int32_t>((stamp - rest) / kSecond));
     cdr_.put(static_cast<std::uint32_t>(rest));
   }
   template <class T>
-  void operator()(std::string_view, const T& value) {
-    if constexpr (std::is_arithmetic_v<T>) {
-      cdr_.put(value);
-    } else if constexpr (std::is_same_v<T, std::string>) {
-      cdr_.text(value);
-    } else if constexpr (std::is_same_v<T, Covariance6>) {
-      cdr_.array(std::span<const double>(value));
-    } else if constexpr (IsVector<T>::value) {
-      sequence(value);
-    } else {
-      Message<T>::visit(value, *this);
-    }
+  void number(T value) {
+    cdr_.put(value);
+  }
+  void text(const std::string& value) { cdr_.text(value); }
+  void array(const Covariance6& value) { cdr_.array(std::span<const double>(value)); }
+  template <class T>
+  void numbers(const std::vector<T>& values) {
+    cdr_.sequence(std::span<const T>(values));
+  }
+  template <class T, class Each>
+  void elements(const std::vector<T>& values, Each each) {
+    cdr_.put(static_cast<std::uint32_t>(values.size()));
+    for (const T& value : values) each(value);
   }
 
  private:
-  template <class T>
-  void sequence(const std::vector<T>& values) {
-    if constexpr (std::is_arithmetic_v<T>) {
-      cdr_.sequence(std::span<const T>(values));
-    } else {
-      cdr_.put(static_cast<std::uint32_t>(values.size()));
-      for (const T& value : values) Message<T>::visit(value, *this);
-    }
-  }
   ros::CdrOutput cdr_;
 };
 
+/// The same, read.
 class Decoder {
  public:
   explicit Decoder(Bytes bytes) : cdr_(bytes) {}
 
-  void time(std::string_view, Stamp& stamp) {
+  void stamp(Stamp& stamp) {
     stamp = kSecond * cdr_.get<std::int32_t>();
     stamp += cdr_.get<std::uint32_t>();
   }
   template <class T>
+  void number(T& value) {
+    value = cdr_.get<T>();
+  }
+  void text(std::string& value) { value = cdr_.text(); }
+  void array(Covariance6& value) {
+    for (double& element : value) element = cdr_.get<double>();
+  }
+  template <class T>
+  void numbers(std::vector<T>& values) {
+    cdr_.sequence(values);
+  }
+  template <class T, class Each>
+  void elements(std::vector<T>& values, Each each) {
+    values.clear();
+    // One by one: a count that the bytes do not hold ends at their end, not in memory that was asked for.
+    for (auto n = cdr_.get<std::uint32_t>(); n > 0; --n) each(values.emplace_back());
+  }
+
+ private:
+  ros::CdrInput cdr_;
+};
+
+/// Goes through the fields of a message, those of the messages in it too. @tparam Coder  Encoder or Decoder
+template <class Coder>
+class Fields {
+ public:
+  template <class Wire>
+  explicit Fields(Wire&& wire) : coder_(wire) {}
+
+  template <class T>
+  void time(std::string_view, T&& stamp) {
+    coder_.stamp(stamp);
+  }
+  template <class T>
   void operator()(std::string_view, T& value) {
-    if constexpr (std::is_arithmetic_v<T>) {
-      value = cdr_.get<T>();
-    } else if constexpr (std::is_same_v<T, std::string>) {
-      value = cdr_.text();
-    } else if constexpr (std::is_same_v<T, Covariance6>) {
-      for (double& element : value) element = cdr_.get<double>();
-    } else if constexpr (IsVector<T>::value) {
-      sequence(value);
+    using Plain = std::remove_const_t<T>;
+    if constexpr (std::is_arithmetic_v<Plain>) {
+      coder_.number(value);
+    } else if constexpr (std::is_same_v<Plain, std::string>) {
+      coder_.text(value);
+    } else if constexpr (std::is_same_v<Plain, Covariance6>) {
+      coder_.array(value);
+    } else if constexpr (!IsVector<Plain>::value) {
+      Message<Plain>::visit(value, *this);
+    } else if constexpr (std::is_arithmetic_v<typename Plain::value_type>) {
+      coder_.numbers(value);
     } else {
-      Message<T>::visit(value, *this);
+      coder_.elements(value, [this](auto& element) { Message<typename Plain::value_type>::visit(element, *this); });
     }
   }
 
  private:
-  template <class T>
-  void sequence(std::vector<T>& values) {
-    if constexpr (std::is_arithmetic_v<T>) {
-      cdr_.sequence(values);
-    } else {
-      values.clear();
-      // One by one: a count that the bytes do not hold ends at their end, not in memory that was asked for.
-      for (auto n = cdr_.get<std::uint32_t>(); n > 0; --n) Message<T>::visit(values.emplace_back(), *this);
-    }
-  }
-  ros::CdrInput cdr_;
+  Coder coder_;
 };
 
 template <class T>
@@ -186,14 +207,14 @@ void describe(bool idl, TypeTexts& types) {
 template <class M>
 std::vector<std::uint8_t> encode(const M& message) {
   ByteWriter out;
-  Message<M>::visit(message, Encoder(out));
+  Message<M>::visit(message, Fields<Encoder>(out));
   return out.bytes();
 }
 
 template <class M>
 M decode(Bytes bytes) {
   M message;
-  Message<M>::visit(message, Decoder(bytes));
+  Message<M>::visit(message, Fields<Decoder>(bytes));
   return message;
 }
 

@@ -13,6 +13,7 @@
 
 #include "map_of_rooms.hpp"
 #include "node_process.hpp"
+#include "restart.hpp"
 #include "robot.hpp"
 #include "support/temp.hpp"
 
@@ -160,24 +161,7 @@ TEST_F(LocalizationNodeRun, KilledAndStartedAgainItGoesOn) {
   Robot robot(tester, true);
   robot.stand_up();
   drive(robot, 0, 60);
-  process->kill();
-  poses->messages.clear();
-  const auto begun = std::chrono::steady_clock::now();
-  start(parameters);
-  const double up_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  double took_s = 0.0, cpu_s = 0.0;
-  for (std::size_t i = 62; i < 82; ++i) {
-    robot.step(i, Robot::stamp(0.1 * static_cast<double>(i)));
-    tester.wait([&] { return !poses->messages.empty(); }, 0.1);
-    if (poses->messages.empty() || took_s > 0.0) continue;
-    took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    cpu_s = process->cpu_s();
-  }
-  ASSERT_GT(took_s, 0.0);
-  std::printf("started again: active after %.2f s, a pose after %.2f s, of which its own CPU time %.2f s\n", up_s,
-              took_s, cpu_s);
-  EXPECT_LT(took_s, kMostOnABusyMachine_s);
-  EXPECT_LT(translation_distance(last_pose(), robot.pose_at(to_stamp(poses->messages.back().header.stamp))), 0.15);
+  kill_and_start_again(tester, robot, 62, *poses, process, [&] { start(parameters); });
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 //
 //   fast_peer --domain N --seconds S [--address OWN] [--scans LOG.jsonl --rate HZ [--odometry] [--no-mounting]
 //             [--first K] [--count N]] [--mangle KIND] [--pose X,Y,THETA] [--publishers N]
+//             [--pause-at K --pause-s S]
 //
+// It says nothing for S seconds after K scans.
 // KIND: nan, empty, beams, jump, noframe; each spoils every tenth scan.
 #include <chrono>
 #include <cstring>
@@ -32,12 +34,13 @@ int main(int argc, char** argv) {
   const auto start = Clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   const double until = options.number("--seconds", 10.0), period = 1.0 / options.number("--rate", 10.0);
+  const auto pause_at = static_cast<std::size_t>(options.number("--pause-at", 0));
   double next = options.number("--after", 1.5);  // best effort and volatile: who is to listen must be there
   if (options.has("--pose")) say_pose(peer, options.values.at("--pose"));
   while (seconds() < until) {
     if (talker && !talker->done() && seconds() >= next) {
       talker->say();
-      next += period;
+      next += talker->said() == pause_at ? options.number("--pause-s", 0.0) : period;
     }
     peer.print();
     std::this_thread::sleep_for(std::chrono::microseconds(300));

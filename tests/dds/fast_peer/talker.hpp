@@ -21,6 +21,7 @@ class Talker {
  public:
   Talker(Peer& peer, const Options& options);
   bool done() const { return next_ >= lines_.size(); }
+  std::size_t said() const { return next_; }
   void say();
 
  private:
