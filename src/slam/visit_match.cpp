@@ -16,7 +16,7 @@ constexpr double kDoubtfulOverlap = 0.1;  // above min_overlap: a match with les
 constexpr double kInReachM = 0.15;        // half of the registration's first gate: from there it finds its way
 constexpr double kBetterOverlap = 0.05;   // that another pose must gain to be taken
 constexpr double kGatedM = 0.2, kGatedRad = 0.1, kRadPerM = 0.1;  // half widths: at no uncertainty, and for each metre
-constexpr double kMostM = 1.2, kMostRad = 0.35;                   // half widths at most
+constexpr double kWidestM = 1.2, kWidestRad = 0.35;               // half widths at most
 constexpr double kStepM = 0.2, kStepRad = 0.05;                   // of the lattice: what registration bridges
 
 // Along a degenerate direction a match stays where it was begun.
@@ -57,9 +57,9 @@ std::optional<Registration> match_visit(const LocalMap& map, const MapPoints& po
   Registration found = register_points(map, points, T_map_base);
   if (found.overlap < min_overlap + kDoubtfulOverlap && uncertainty_m > kInReachM) {
     LatticeSearch lattice;
-    lattice.half_width_m = std::min(kMostM, kGatedM + uncertainty_m);
+    lattice.half_width_m = std::min(kWidestM, kGatedM + uncertainty_m);
     lattice.step_m = kStepM;
-    lattice.half_angle_rad = std::min(kMostRad, kGatedRad + kRadPerM * uncertainty_m);
+    lattice.half_angle_rad = std::min(kWidestRad, kGatedRad + kRadPerM * uncertainty_m);
     lattice.step_rad = kStepRad;
     const Registration again = register_points(map, points, search_lattice(map, points, T_map_base, lattice));
     if (again.overlap > found.overlap + kBetterOverlap) found = again;
