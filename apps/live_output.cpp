@@ -10,6 +10,8 @@
 namespace phasescan::app {
 namespace {
 
+constexpr Stamp kAgain_ns = 60'000'000'000;  // a warning of a kind that was told
+
 std::string json_pose(const Pose2& pose) {
   return fmt::format(R"({{"x": {:.4f}, "y": {:.4f}, "theta": {:.5f}}})", pose.x, pose.y, pose.theta);
 }
@@ -42,6 +44,7 @@ std::string json_line(const live::LiveUpdate& live) {
 LiveOutput::LiveOutput(bool json) : json_(json), terminal_(::isatty(STDERR_FILENO) != 0 && !json) {}
 
 void LiveOutput::take(const live::LiveUpdate& update) {
+  for (const std::string& text : update.warnings) warn(text, update.update.stamp);
   if (json_) {
     print(json_line(update));
     flush();
@@ -56,6 +59,17 @@ void LiveOutput::take(const live::LiveUpdate& update) {
     std::fprintf(stderr, "phasescan: %s\n", status.c_str());
   }
   before_ = status;
+}
+
+void LiveOutput::warn(const std::string& text, Stamp stamp) {
+  const auto [at, first] = told_.try_emplace(text.substr(0, text.find(':')));
+  Told& told = at->second;
+  if (!first && stamp >= told.at && stamp - told.at < kAgain_ns) {  // a log that begins anew has stamps before
+    ++told.held_back;
+    return;
+  }
+  tell(told.held_back > 0 ? fmt::format("{} ({} more since)", text, told.held_back) : text);
+  told = {stamp, 0};
 }
 
 void LiveOutput::tell(const std::string& text) const {

@@ -198,6 +198,7 @@ async function held_while(at, state) {
     await sleep(500);
     if (await is()) return;
     await at.click("#play");
+    await at.waitForFunction(() => phasescan.status.replay.speed > 0, { timeout: 10000 });  // else the next click plays, too
   }
   check("the log can be held while it is " + state, false);
 }
