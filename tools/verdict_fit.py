@@ -71,7 +71,7 @@ def judge(rows, probability):
     for row, p in zip(rows, probability):
         if row["evidence"]["on_map"] < 0.5:
             p = min(p, 0.2)
-        out.append({**row, "probability": p, "verdict": "good" if p >= 0.95 else "failed" if p <= 0.2 else "doubtful"})
+        out.append({**row, "probability": p, "verdict": "good" if p >= 0.97 else "failed" if p <= 0.2 else "doubtful"})
     return out
 
 

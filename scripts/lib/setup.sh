@@ -11,7 +11,7 @@ PACKAGES=(build-essential cmake ninja-build pkg-config ccache git
   zlib1g-dev liblz4-dev libzstd-dev libbz2-dev libsqlite3-dev libpng-dev libserialport-dev libboost-dev cyclonedds-dev
   python3-dev python3-numpy pybind11-dev)
 TEST_PACKAGES=(clang-14 clang-format-14 libclang-rt-14-dev libgtest-dev libgmock-dev libbenchmark-dev librapidcheck-dev
-  python3 python3-pytest python3-matplotlib python3-distributed python3-pip python3-setuptools python3-venv python3-wheel mypy python3-pil python3-rosbag librsvg2-bin libfastrtps-dev libfastcdr-dev valgrind groff-base zsh fish chromium)
+  python3 python3-pytest python3-matplotlib python3-distributed python3-pip python3-setuptools python3-venv python3-wheel mypy python3-pil python3-rosbag librsvg2-bin libfastrtps-dev libfastcdr-dev iproute2 valgrind groff-base zsh fish chromium)
 # What scripts/docs makes the site with.
 DOC_PACKAGES=(python3 python3-sphinx python3-myst-parser)
 command -v npm >/dev/null || TEST_PACKAGES+=(nodejs npm)

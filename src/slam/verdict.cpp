@@ -8,7 +8,7 @@
 namespace phasescan {
 namespace {
 
-constexpr double kGood = 0.95, kFailed = 0.2;               // probabilities
+constexpr double kGood = 0.97, kFailed = 0.2;               // probabilities
 constexpr double kLeastOnMap = 0.5;                         // share of the scans with a return
 constexpr double kLeastInParts = 0.25, kMostInParts = 0.9;  // of a run in parts: doubtful, whatever each part is worth
 constexpr double kMostWhereWheelsWentOn = 0.9;              // doubtful, however well the scans agree with each other

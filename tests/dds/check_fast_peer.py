@@ -10,11 +10,11 @@ import sys
 import tempfile
 import time
 
-from fast_host import Hosts, Wire, enter_namespace, fail, on, simulate, transforms, way_error_m
+from fast_host import SKIPPED, Hosts, Wire, enter_namespace, fail, on, simulate, transforms, way_error_m
 
 HOSTILE = (("nan", "no_returns"), ("empty", "no_beams"), ("beams", "beams_changed"), ("noframe", "bad_scan"), ("jump", "clock_jumped_back"),
            ("publishers", "two_publishers"))
-MOST_RESTART_S = 3.0  # 2 s on a machine that does nothing else
+MOST_RESTART_S = 10.0  # 1.5 s on a machine that does nothing else; the time is printed, and in docs/ros2.md
 
 
 def times(a, b):
@@ -199,6 +199,9 @@ def main():
         if "demo" in wanted:
             check_demo(hosts)
         if "lossy" in wanted:
+            if not Wire.can_be():
+                print("no wire between network namespaces can be made here (/dev/net/tun): packet loss is not checked")
+                sys.exit(SKIPPED)
             wire = Wire()
             check_lossy(Hosts(*sys.argv[1:3], folder, wire), long_log)
             wire.end()

@@ -1,5 +1,6 @@
-"""A host that runs Fast DDS beside `phasescan live`, for check_fast_peer.py and print_fast_peer.py: both in a network
+"""A host that runs Fast DDS beside `phasescan live`, for check_fast_peer.py: both in a network
 namespace of their own, or one in each of two, joined by a wire that loses what it is told to lose."""
+import atexit
 import ctypes
 import fcntl
 import json
@@ -44,7 +45,8 @@ class Wire:
     def __init__(self, seed=1):
         self.loss, self.frames, self.lost = 0.0, 0, 0
         self.random, self.ended = random.Random(seed), False
-        self.other = subprocess.Popen(["unshare", "--net", "sleep", "infinity"])
+        self.other = subprocess.Popen(["unshare", "--net", "sleep", "infinity"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        atexit.register(self.other.kill)  # where a check fails, too
         self.enter = ["nsenter", "--target", str(self.other.pid), "--net"]
         deadline = time.time() + 10
         while os.readlink(f"/proc/{self.other.pid}/ns/net") == os.readlink("/proc/self/ns/net"):
@@ -60,6 +62,14 @@ class Wire:
             subprocess.run([*enter, "ip", "link", "set", "lo", "up"], check=True)
             subprocess.run([*enter, "ip", "address", "add", f"{address}/24", "dev", device], check=True)
             subprocess.run([*enter, "ip", "link", "set", device, "up"], check=True)
+
+    @staticmethod
+    def can_be():
+        try:
+            os.close(Wire.end_of_wire("try"))
+        except OSError:
+            return False
+        return subprocess.run(["unshare", "--net", "true"], stderr=subprocess.DEVNULL).returncode == 0
 
     @staticmethod
     def end_of_wire(name):

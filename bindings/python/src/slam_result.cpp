@@ -67,7 +67,7 @@ void bind_verdict(py::module_& module) {
                               "What a run says of itself; its reasons are the findings of the SlamResult.");
   type.def_property_readonly(
       "verdict", [](const RunVerdict& v) { return std::string(to_string(v.verdict)); },
-      "str: good (probability from 0.95 on), doubtful, or failed (up to 0.2, or most scans are on no map).");
+      "str: good (probability from 0.97 on), doubtful, or failed (up to 0.2, or most scans are on no map).");
   type.def_property_readonly(
       "probability", [](const RunVerdict& v) { return v.probability; },
       "float: That the trajectory is within 0.2 m or 1 % of the way (absolute error, root mean square).");

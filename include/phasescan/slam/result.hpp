@@ -128,7 +128,7 @@ struct RunFinding {
 };
 
 enum class Verdict {
-  kGood,      ///< probability >= 0.95
+  kGood,      ///< probability >= 0.97
   kDoubtful,  ///< between
   kFailed,    ///< probability <= 0.2, or fewer than half of the scans with a return stand on one map
 };
