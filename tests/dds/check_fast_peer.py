@@ -14,7 +14,7 @@ from fast_host import SKIPPED, Hosts, Wire, enter_namespace, fail, on, simulate,
 
 HOSTILE = (("nan", "no_returns"), ("empty", "no_beams"), ("beams", "beams_changed"), ("noframe", "bad_scan"), ("jump", "clock_jumped_back"),
            ("publishers", "two_publishers"))
-MOST_RESTART_S = 10.0  # 1.5 s on a machine that does nothing else; the time is printed, and in docs/ros2.md
+MOST_RESTART_S = 3.0  # 2 s on a machine that does nothing else; the time is printed
 
 
 def times(a, b):

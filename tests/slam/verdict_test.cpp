@@ -49,13 +49,13 @@ TEST(Verdict, WhatSpeaksAgainstAMapNeverMakesItBetter) {
     change(e);
     return judge_run(e, false).verdict.probability;
   };
-  EXPECT_LT(worse([](RunEvidence& e) { e.map.far.tail.crossed = 0.8, e.map.far.tail.in_free = 0.8; }), 0.97);
-  EXPECT_LT(worse([](RunEvidence& e) { e.excess.crossed = 0.3, e.excess.in_free = 0.3; }), 0.97);
-  EXPECT_LT(worse([](RunEvidence& e) { e.lost_unaided = 0.4, e.unseen_ratio = 30.0; }), 0.97);
-  EXPECT_LT(worse([](RunEvidence& e) { e.step_chi2_tail = 30.0, e.unseen_doubted = 10.0; }), 0.97);
-  EXPECT_LT(worse([](RunEvidence& e) { e.expected_ratio = 10.0; }), 0.97);
-  EXPECT_LT(worse([](RunEvidence& e) { e.off_map = 0.4, e.breaks = 4.0; }), 0.97);
-  EXPECT_LT(worse([](RunEvidence& e) { e.off_map = 0.1, e.off_map_ratio = 1.0; }), 0.97);
+  EXPECT_LT(worse([](RunEvidence& e) { e.map.far.tail.crossed = 0.8, e.map.far.tail.in_free = 0.8; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.excess.crossed = 0.3, e.excess.in_free = 0.3; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.lost_unaided = 0.4, e.unseen_ratio = 30.0; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.step_chi2_tail = 30.0, e.unseen_doubted = 10.0; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.expected_ratio = 10.0; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.off_map = 0.4, e.breaks = 4.0; }), 0.95);
+  EXPECT_LT(worse([](RunEvidence& e) { e.off_map = 0.1, e.off_map_ratio = 1.0; }), 0.95);
   EXPECT_LE(worse([](RunEvidence& e) { e.wheels_slipped = 0.5; }), best);
 }
 
@@ -180,8 +180,8 @@ TEST(Verdict, WideSearchesThatSomethingConfirmsAreNoBadSign) {
   };
   EXPECT_EQ(with([](RunEvidence&) {}), best) << "by itself it says how far the scans are apart";
   EXPECT_LT(with([](RunEvidence& e) { e.degraded_unconfirmed = 0.97; }), best);
-  EXPECT_LT(with([](RunEvidence& e) { e.degraded_bent = 8.0; }), 0.97);
-  EXPECT_LT(with([](RunEvidence& e) { e.open_doubted = 2.0; }), 0.97);
+  EXPECT_LT(with([](RunEvidence& e) { e.degraded_bent = 8.0; }), 0.95);
+  EXPECT_LT(with([](RunEvidence& e) { e.open_doubted = 2.0; }), 0.95);
 }
 
 TEST(Verdict, WheelsAndLoopsConfirmTheStepsOfAThinnedLog) {
