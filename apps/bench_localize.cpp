@@ -1,12 +1,9 @@
 // phasescan bench localize: single scans on maps that SLAM made, or cast on maps of others.
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <cmath>
-
-#include <nlohmann/json.hpp>
 #include <optional>
 
+#include "bench_localize_lines.hpp"
 #include "command_list.hpp"
 #include "commands.hpp"
 #include "eval/localize_bench.hpp"
@@ -25,7 +22,7 @@ struct BenchLocalizeFlags {
   CommonFlags common;
   SimulatedPlacesSpec simulated;
   CastPlacesSpec cast;
-  std::string map, cases, places;
+  std::string map, cases, places, figure;
   bool yardstick = false, runs = false;
   LocalizeRunsSpec drives;
 };
@@ -49,44 +46,6 @@ LocalizePlaces make_places(const BenchLocalizeFlags& flags) {
   return simulated_places(spec, [&] { progress.step(++done); });
 }
 
-double largest_sigma_m(const Eigen::Matrix3d& covariance) {
-  const Eigen::Matrix2d position = covariance.topLeftCorner<2, 2>();
-  return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(position).eigenvalues().maxCoeff()));
-}
-
-/// A line per case: what the confidence is fitted on.
-std::string case_lines(const std::vector<LocalizeCase>& cases, const std::vector<LocalizeRow>& rows) {
-  std::string text;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const LocalizationUpdate& u = rows[i].update;
-    const PoseEstimate none{};
-    const PoseEstimate& second = u.hypotheses.size() > 1 ? u.hypotheses[1] : none;
-    const Pose2& truth = cases[i].T_map_base;
-    nlohmann::ordered_json line{{"status", to_string(u.status)},
-                                {"right", rows[i].right()},
-                                {"mapped", rows[i].mapped},
-                                {"named", rows[i].named},
-                                {"error_m", rows[i].error_m},
-                                {"error_deg", rad_to_deg(rows[i].error_rad)},
-                                {"confidence", u.confidence},
-                                {"second", second.confidence},
-                                {"explained", u.fit.explained},
-                                {"unmapped", u.fit.unmapped},
-                                {"contradicting", u.fit.contradicting},
-                                {"unknown", u.fit.unknown},
-                                {"log_likelihood", u.fit.log_likelihood},
-                                {"margin", u.margin},
-                                {"sigma_x", std::sqrt(u.covariance(0, 0))},
-                                {"sigma_y", std::sqrt(u.covariance(1, 1))},
-                                {"sigma_m", largest_sigma_m(u.covariance)},
-                                {"hits", cases[i].measurement.scan.hit_count()},
-                                {"truth", {truth.x, truth.y, truth.theta}},
-                                {"ms", rows[i].ms}};
-    text += line.dump() + "\n";
-  }
-  return text;
-}
-
 /// The exhaustive search on the same scans, as a part of the result's line.
 std::string yardstick_part(const LocalizationMap& map, const std::vector<LocalizeCase>& cases,
                            const std::vector<LocalizeRow>& rows, const LocalizeOptions& options, bool no_times) {
@@ -103,41 +62,10 @@ std::string yardstick_part(const LocalizationMap& map, const std::vector<Localiz
   return text + "}";
 }
 
-/// A line for a scan of a drive.
-std::string scan_line(const DrivenScan& scan) {
-  const LocalizationUpdate& u = scan.update;
-  const Pose2 pose = u.T_map_base.value_or(Pose2{1e3, 1e3, 0.0});
-  const nlohmann::ordered_json line{{"stamp", stamp_to_seconds(u.stamp)},
-                                    {"status", to_string(u.status)},
-                                    {"mapped", scan.mapped},
-                                    {"started", scan.started},
-                                    {"error_m", translation_distance(pose, scan.T_map_base)},
-                                    {"error_deg", rad_to_deg(angle_distance(pose.theta, scan.T_map_base.theta))},
-                                    {"confidence", u.confidence},
-                                    {"explained", u.fit.explained},
-                                    {"unmapped", u.fit.unmapped},
-                                    {"contradicting", u.fit.contradicting},
-                                    {"unknown", u.fit.unknown},
-                                    {"log_likelihood", u.fit.log_likelihood},
-                                    {"margin", u.margin},
-                                    {"hypotheses", u.hypotheses.size()},
-                                    {"searched", u.searched},
-                                    {"truth", {scan.T_map_base.x, scan.T_map_base.y, scan.T_map_base.theta}},
-                                    {"pose", {pose.x, pose.y, pose.theta}}};
-  return line.dump() + "\n";
-}
-
-/// Mean confidence, share right and number by tenths of the confidence.
-std::string reliability_part(const std::vector<ReliabilityBin>& bins) {
-  std::string text = ", \"reliability\": [";
-  for (const ReliabilityBin& bin : bins)
-    text += fmt::format("{}[{:.3f}, {:.3f}, {}]", text.back() == '[' ? "" : ", ", bin.confidence, bin.right, bin.n);
-  return text + "]";
-}
-
-/// JSON has no word for the median of nothing.
-std::string number_or_null(double value, int digits) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "null";
+void write_reliability(std::optional<AtomicFile>& file, const std::vector<ReliabilityBin>& bins, double error) {
+  if (!file) return;
+  file->write(reliability_figure(bins, error));
+  file->commit();
 }
 
 /// Drives, as one line of JSON.
@@ -149,13 +77,15 @@ int run_bench_drives(const BenchLocalizeFlags& flags, const LocalizeOptions& opt
   spec.unmapped = flags.simulated.unmapped, spec.seed = flags.common.seed;
   Progress progress("worlds", spec.worlds.size());
   std::size_t done = 0;
-  std::optional<AtomicFile> file;
+  std::optional<AtomicFile> file, figure;
   if (!flags.cases.empty()) file.emplace(flags.cases);
+  if (!flags.figure.empty()) figure.emplace(flags.figure);
   const auto write = [&file](const DrivenScan& scan) { file->write(scan_line(scan)); };
   const LocalizeRunsScore s = run_drives(
       spec, options, [&] { progress.step(++done); }, file ? std::function<void(const DrivenScan&)>(write) : nullptr);
   progress.end();
   if (file) file->commit();
+  write_reliability(figure, reliability(s.judgements), calibration_error(s.judgements));
   const StartsScore t = score_of(s.starts);
   std::string line = fmt::format(
       "{{\"worlds\": {}, \"wrong_maps\": {}, \"kidnapped\": {}, \"noticed_late\": {}, \"recovered\": {}, \"recovery_s_mean\": {:.2f}, \"wrong_ok_over_1s\": {}, "
@@ -177,8 +107,9 @@ int run_bench_drives(const BenchLocalizeFlags& flags, const LocalizeOptions& opt
 int run_bench_localize(const BenchLocalizeFlags& flags) {
   const Config config = config_from(flags.common);
   if (flags.runs) return run_bench_drives(flags, config.localize);
-  std::optional<AtomicFile> file;
+  std::optional<AtomicFile> file, figure;
   if (!flags.cases.empty()) file.emplace(flags.cases);
+  if (!flags.figure.empty()) figure.emplace(flags.figure);
   const LocalizePlaces places = make_places(flags);
   if (!flags.places.empty() && !has_places(flags.places)) write_places(flags.places, places);
   const double cpu = thread_cpu_seconds();
@@ -191,10 +122,10 @@ int run_bench_localize(const BenchLocalizeFlags& flags) {
   const LocalizeScore s = score_of(rows);
   std::string line = fmt::format(
       "{{\"map\": \"{}\", \"free_m2\": {:.0f}, \"n\": {}, \"right\": {}, \"within_0.5m\": {}, \"ok\": {}, \"right_ok\": {}, \"wrong_ok\": {}, "
-      "\"ambiguous\": {}, \"ambiguous_named\": {}, \"degraded\": {}, \"wrong_degraded\": {}, \"unmapped\": {}, \"lost\": {}, \"median_m\": {}, \"median_deg\": {}, \"calibration_error\": {:.4f}",
+      "\"ambiguous\": {}, \"ambiguous_named\": {}, \"degraded\": {}, \"wrong_degraded\": {}, \"unmapped\": {}, \"lost\": {}, \"median_m\": {}, \"median_deg\": {}, \"calibration_error\": {}",
       places.name, map.free_area_m2(), s.n, s.right, s.within_half_m, s.ok, s.right_ok, s.wrong_ok, s.ambiguous,
       s.ambiguous_named, s.degraded, s.wrong_degraded, s.unmapped, s.lost, number_or_null(s.median_m, 4),
-      number_or_null(s.median_deg, 3), s.calibration_error);
+      number_or_null(s.median_deg, 3), number_or_null(s.calibration_error, 4));
   line += reliability_part(s.reliability);
   if (!flags.common.no_times) {
     line += fmt::format(", \"ms_p50\": {:.2f}, \"ms_p99\": {:.2f}, \"prepare_ms\": {:.0f}, \"map_mib\": {:.1f}",
@@ -205,6 +136,7 @@ int run_bench_localize(const BenchLocalizeFlags& flags) {
     file->write(case_lines(places.cases, rows));
     file->commit();
   }
+  write_reliability(figure, s.reliability, s.calibration_error);
   print(line + "}\n");
   return kDone;
 }
@@ -256,6 +188,8 @@ void add_bench_localize_command(CLI::App& app, CommandBody& body) {
                    "keep the map and its scans in this folder; where they are there, they are read instead of made")
       ->type_name("DIR");
   command->add_option("--cases", flags->cases, "write a line per scan to this file")->type_name("FILE");
+  command->add_option("--figure", flags->figure, "draw confidence against the share of right answers to this SVG file")
+      ->type_name("FILE");
   add_change_flags(command, *flags);
   add_seed_flag(*command, flags->common);
   add_config_flag(*command, flags->common);

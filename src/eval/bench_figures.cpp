@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "eval/bench_report.hpp"
+#include "eval/reliability_chart.hpp"
 
 namespace phasescan {
 namespace {
@@ -114,34 +115,17 @@ const ErrorView kAcrossCorridors{"Corridors: error across what cannot be known",
                                  [](const PairOutcome& o) { return is_weak(o) ? o.error_across_m : MaybeError(); }};
 
 Chart reliability_chart(const BenchRun& run, const std::vector<BenchMethod>& methods) {
-  Chart chart;
-  chart.title = "Reliability of the confidence";
-  chart.subtitle = "tenths of the confidence; whiskers: 95 % Wilson interval";
-  chart.x.label = "mean confidence of the bin";
-  chart.y.label = "share right";
-  chart.x.min = chart.y.min = -0.03;
-  chart.x.max = chart.y.max = 1.03;
-  chart.equal = true;
-  chart.series.push_back({SeriesKind::kLine, "calibrated", {0, 1}, {0, 1}});
-  chart.series.back().color = std::string(palette::kGrey);
-  chart.series.back().dash = "4 3";
+  Chart chart = reliability_axes("Reliability of the confidence");
   for (std::size_t m = 0; m < methods.size(); ++m) {
     std::vector<Judgement> judgements;
     for (const PairOutcome* o : of_method(run.outcomes, m)) {
       if (o->confidence) judgements.push_back({*o->confidence, o->right});
     }
     if (judgements.empty()) continue;
-    Series s = method_series(methods, m, SeriesKind::kPoints);
-    for (const ReliabilityBin& bin : reliability(judgements)) {
-      if (bin.n == 0) continue;
-      const auto right = static_cast<std::size_t>(std::lround(bin.right * static_cast<double>(bin.n)));
-      const Interval interval = wilson_interval(right, bin.n);
-      s.x.push_back(bin.confidence);
-      s.y.push_back(bin.right);
-      s.low.push_back(interval.low);
-      s.high.push_back(interval.high);
-    }
-    chart.series.push_back(std::move(s));
+    Series points = reliability_points(reliability(judgements));
+    const Series looks = method_series(methods, m, SeriesKind::kPoints);
+    points.name = looks.name, points.color = looks.color, points.marker = looks.marker;
+    chart.series.push_back(std::move(points));
   }
   return chart;
 }

@@ -259,5 +259,22 @@ TEST(BenchLocalize, WhatNothingWasRightOfIsStillJson) {
   EXPECT_TRUE(line["median_deg"].is_null());
 }
 
+TEST(BenchLocalize, DrawsTheConfidenceOfEveryAnswerThatIsNotAmbiguous) {
+  const test::TempFolder folder;
+  const auto run = run_command({"bench", "localize", "--worlds", "flat:5", "--poses", "12", "--seed", "1", "--no-times",
+                                "--figure", folder / "curve.svg"});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto line = nlohmann::json::parse(run.out);
+  std::size_t answers = 0;
+  for (const auto& bin : line["reliability"]) answers += bin[2].get<std::size_t>();
+  ASSERT_GT(answers, 0U);
+  const std::string svg = slurp(folder / "curve.svg");
+  EXPECT_THAT(svg, HasSubstr(std::to_string(answers) + " answers, calibration error"));
+  const auto bad = run_command(
+      {"bench", "localize", "--worlds", "flat:5", "--poses", "1", "--figure", folder / "nowhere/curve.svg"});
+  EXPECT_NE(bad.code, 0);
+  EXPECT_THAT(bad.err, HasSubstr("nowhere"));
+}
+
 }  // namespace
 }  // namespace phasescan::localize_command_test
