@@ -74,6 +74,8 @@ void check_flags(const LiveFlags& flags) {
   const TrackingFlags& tracking = flags.tracking;
   if (!tracking.map.empty() && !tracking.state.empty())
     throw std::invalid_argument("--map, --state: expected one of them: the map that is known");
+  if (!tracking.known_map() && tracking.keep_prepared)
+    throw std::invalid_argument("--keep-prepared: keeps a known map; expected --map or --state with it");
   if (tracking.known_map() && !tracking.resume.empty())
     throw std::invalid_argument("--resume: goes on with a map that grows; expected it without --map and --state");
   if (tracking.known_map() && !flags.keeping.save.empty())

@@ -23,7 +23,7 @@ struct LocalizeFlags {
   std::string log, out, map, state, initial, odometry = "auto";
   LogOptions options;
   int beam_step = 1;
-  bool each = false;
+  bool each = false, keep_prepared = false;
 };
 
 void warn_of_sections_not_read(const Config& config, const std::string& file) {
@@ -113,7 +113,7 @@ int run_localize(const LocalizeFlags& flags) {
   warn_of_sections_not_read(config, flags.common.config);
   const std::unique_ptr<LogReader> reader = open_log(flags.log, flags.options);
   const double cpu = process_cpu_seconds();
-  const KnownMap known = load_known_map(flags.map, flags.state, config.localize);
+  const KnownMap known = load_known_map(flags.map, flags.state, config.localize, flags.keep_prepared);
   LocalizeRun run;
   run.prepare_cpu_s = process_cpu_seconds() - cpu;
   run.log = flags.log;
@@ -122,6 +122,7 @@ int run_localize(const LocalizeFlags& flags) {
   run.each = flags.each;
   run.times = !flags.common.no_times;
   run.min_confidence = config.localize.min_confidence;
+  if (flags.keep_prepared) run.map_was_kept = known.was_kept;
   run.free_area_m2 = known.map.free_area_m2();
   run.views = known.map.views();
   run.map_bytes = known.map.memory_bytes();
@@ -157,6 +158,7 @@ void add_localize_command(CLI::App& app, CommandBody& body) {
   command->add_option("--state", flags->state, "the map of a saved run of slam")
       ->type_name("STATE")
       ->check(not_empty());
+  add_keep_prepared_flag(*command, flags->keep_prepared);
   command->add_flag("--each", flags->each, "every scan by itself: no motion between them");
   command->add_option("--initial", flags->initial, "where the first scan was taken, about")
       ->type_name("X,Y,THETA_DEG")

@@ -26,6 +26,7 @@ void add_memory_command(CLI::App& app, CommandBody& body);
 void add_live_memory_command(CLI::App& app, CommandBody& body);
 void add_steps_command(CLI::App& app, CommandBody& body);
 void add_state_bench_command(CLI::App& app, CommandBody& body);
+void add_prepared_bench_command(CLI::App& app, CommandBody& body);
 void add_paper_command(CLI::App& app, CommandBody& body);
 void add_config_command(CLI::App& app, CommandBody& body);
 void add_completion_command(CLI::App& app, CommandBody& body);
@@ -37,8 +38,8 @@ inline constexpr AddCommand kCommands[] = {
     add_info_command,        add_convert_command,        add_eval_command,        add_simulate_command,
     add_calibrate_command,   add_live_command,           add_emulate_command,     add_bench_command,
     add_retrieval_command,   add_bench_localize_command, add_scaling_command,     add_memory_command,
-    add_live_memory_command, add_steps_command,          add_state_bench_command, add_paper_command,
-    add_config_command,      add_completion_command,     add_man_command,
+    add_live_memory_command, add_steps_command,          add_state_bench_command, add_prepared_bench_command,
+    add_paper_command,       add_config_command,         add_completion_command,  add_man_command,
 };
 
 }  // namespace phasescan::app

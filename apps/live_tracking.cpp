@@ -15,6 +15,7 @@ void add_map_flags(CLI::App& command, TrackingFlags& flags) {
   command.add_option("--state", flags.state, "a known map to be found in, of a saved run")
       ->type_name("STATE")
       ->check(not_empty());
+  add_keep_prepared_flag(command, flags.keep_prepared);
   command.add_option("--resume", flags.resume, "go on from a saved run")->type_name("STATE")->check(not_empty());
 }
 
@@ -34,7 +35,7 @@ LiveTracking::LiveTracking(const TrackingFlags& flags, const CommonFlags& common
   options_ = config.slam;
   options_.slam.bounded_memory = !keeps_all(config);
   if (flags.known_map()) {
-    KnownMap known = load_known_map(flags.map, flags.state, config.localize);
+    KnownMap known = load_known_map(flags.map, flags.state, config.localize, flags.keep_prepared);
     options_.map.resolution_m = known.drawn.resolution_m;
     engine_ = live::localize_engine([map = known.map, localize = config.localize,
                                      odometry = config.slam.odometry] { return Localizer(map, localize, odometry); },

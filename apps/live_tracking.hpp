@@ -15,6 +15,7 @@ namespace phasescan::app {
 
 struct TrackingFlags {
   std::string map, state;  ///< of a map that is known
+  bool keep_prepared = false;
   std::string resume;
   bool known_map() const { return !map.empty() || !state.empty(); }
 };

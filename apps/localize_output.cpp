@@ -86,6 +86,7 @@ Json summary_of(const LocalizeRun& run, const LocalizeVerdict& verdict) {
            {"views", run.views},
            {"memory_mib", rounded(static_cast<double>(run.map_bytes) / (1 << 20), 100)}};
   if (run.times) map["preparation_ms"] = rounded(1e3 * run.prepare_cpu_s, 100);
+  if (run.times && run.map_was_kept) map["was_kept"] = *run.map_was_kept;
   Json summary{{"log", std::filesystem::path(run.log).filename().string()},
                {"format", run.format},
                {"complete", run.complete},

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct LocalizeRun {
   std::vector<LocalizationUpdate> updates;  ///< one per scan
   std::vector<float> cpu_ms;                ///< one per scan
   double prepare_cpu_s = 0.0;
+  std::optional<bool> map_was_kept;  ///< where that was asked for: whether the map was read as it had been prepared
   double free_area_m2 = 0.0;
   std::size_t views = 0, map_bytes = 0;
   std::map<std::string, std::size_t> damages;  ///< of the reader, by kind

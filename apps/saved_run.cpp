@@ -90,8 +90,12 @@ bool is_state_file(const std::string& path) {
 }
 
 LoadedRun load_run(const std::string& path) {
+  return load_run(path, read_state_bytes(path));
+}
+
+LoadedRun load_run(const std::string& path, std::string_view bytes) {
   try {
-    LoadedRun loaded{decode_state(read_state_bytes(path)), {}};
+    LoadedRun loaded{decode_state(bytes), {}};
     const auto note = loaded.saved.notes.find(kNote);
     loaded.run = note == loaded.saved.notes.end() ? run_of_nobody(path, loaded.saved.state.scans())
                                                   : run_of(note->second, loaded.saved.state);

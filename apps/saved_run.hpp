@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "phasescan/slam/state.hpp"
 #include "slam_output.hpp"
@@ -17,6 +18,8 @@ struct LoadedRun {
 
 /// @throws InputError for a file that is not there, is no state or a damaged one; SystemError
 LoadedRun load_run(const std::string& path);
+/// Of bytes that were read from `path`. @throws InputError
+LoadedRun load_run(const std::string& path, std::string_view bytes);
 /// The options of a run that goes on: its own where no settings file is named, else those of the file, with a warning
 /// that names what differs. @throws InputError where it cannot go on with these
 SlamOptions options_to_go_on(const SavedRun& saved, const std::string& file, const SlamOptions& given);

@@ -6,9 +6,12 @@
 
 #include "io/ros_encode.hpp"
 #include "live/streams.hpp"
+#include "localize/prepared_file.hpp"
+#include "phasescan/localize/localizer.hpp"
 #include "phasescan/slam/state.hpp"
 #include "support/ros_fixture.hpp"
 #include "support/sealed_state.hpp"
+#include "support/toy_map.hpp"
 #include "support/toy_world.hpp"
 
 namespace {
@@ -161,6 +164,20 @@ void write_live(const std::string& root) {
   }
 }
 
+/// Prepared maps, packed and not; of cells that are merged as well. What they were made of is what fuzz_prepared says.
+void write_prepared(const std::string& root) {
+  using namespace phasescan;
+  for (const double cell : {0.1, 0.02}) {
+    const TrinaryMap drawn = testing::toy_map(testing::two_rooms(), {0, 0}, cell, 0.2);
+    LocalizeOptions options;
+    options.view_spacing_m = 0.7;
+    const std::string bytes = encode_prepared({drawn, LocalizationMap::from_grid(drawn, options)}, {1, 2});
+    const std::string name = cell > 0.05 ? "rooms" : "merged-cells";
+    write(root + "/prepared", name + "-packed", bytes);
+    if (cell > 0.05) write(root + "/prepared", name, testing::unpacked_file(bytes, kPreparedMap));
+  }
+}
+
 /// Saved runs, not packed: of two drives, in bounded memory, two that were merged, and one that has hardly begun.
 void write_states(const std::string& root) {
   using namespace phasescan;
@@ -237,5 +254,6 @@ int main(int argc, char** argv) {
   write_match(root);
   write_live(root);
   write_states(root);
+  write_prepared(root);
   write_foxglove(root);
 }

@@ -23,7 +23,7 @@ odometry     core state scan match refine
 graph        core
 map          core scan
 slam         core state scan match odometry graph map
-localize     core scan match odometry map slam
+localize     core state scan match odometry map slam
 io           core scan
 live         core scan match odometry map slam localize io
 sim          core scan io

@@ -12,16 +12,6 @@ namespace {
 constexpr double kCoarseCellM = 0.2, kFineCellM = 0.1;
 constexpr int kMostSide = 60000;
 
-void check(const TrinaryMap& map) {
-  const auto fail = [](const char* what) { throw std::invalid_argument(std::string("map: ") + what); };
-  if (map.width < 1 || map.height < 1 ||
-      map.cells.size() != static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height))
-    fail("the number of its cells is not width x height");
-  if (map.width > kMostSide || map.height > kMostSide) fail("more than 60,000 cells along a side");
-  if (!(map.resolution_m > 0.0) || !std::isfinite(map.resolution_m)) fail("its resolution is not above 0");
-  if (!map.origin.is_finite()) fail("its origin is not finite");
-}
-
 LocalMap surfels_of(const MapPoints& surface, const MapGrid& grid, double cell_m) {
   const double width = grid.width * static_cast<double>(grid.cell_m),
                height = grid.height * static_cast<double>(grid.cell_m);
@@ -34,22 +24,37 @@ LocalMap surfels_of(const MapPoints& surface, const MapGrid& grid, double cell_m
 
 }  // namespace
 
+void check_map(const TrinaryMap& map) {
+  const auto fail = [](const char* what) { throw std::invalid_argument(std::string("map: ") + what); };
+  if (map.width < 1 || map.height < 1 ||
+      map.cells.size() != static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height))
+    fail("the number of its cells is not width x height");
+  if (map.width > kMostSide || map.height > kMostSide) fail("more than 60,000 cells along a side");
+  if (!(map.resolution_m > 0.0) || !std::isfinite(map.resolution_m)) fail("its resolution is not above 0");
+  if (!map.origin.is_finite()) fail("its origin is not finite");
+}
+
+void add_surfels(LocalizationMap::Data& data, const MapPoints& surface) {
+  std::size_t free = 0;
+  for (const std::uint8_t cell : data.grid.free) free += cell;
+  data.free_area_m2 = static_cast<double>(free) * std::pow(static_cast<double>(data.grid.cell_m), 2);
+  if (free == 0) throw std::invalid_argument("map: it has no free space");
+  if (surface.size() == 0) throw std::invalid_argument("map: it has no occupied cell beside free ones");
+  data.surface_points = surface.size();
+  const double cell = static_cast<double>(data.grid.cell_m);
+  data.coarse = surfels_of(surface, data.grid, std::max(kCoarseCellM, 2.0 * cell));
+  data.fine = surfels_of(surface, data.grid, std::max(kFineCellM, 1.5 * cell));
+}
+
 LocalizationMap LocalizationMap::from_grid(const TrinaryMap& map, const LocalizeOptions& options) {
   validate_options("localize", options);
-  check(map);
+  check_map(map);
   const auto data = std::make_shared<Data>();
   data->T_map_grid = map.origin;
   data->grid = make_map_grid(map);
-  const MapPoints surface = map_surface(data->grid);
-  std::size_t free = 0;
-  for (const std::uint8_t cell : data->grid.free) free += cell;
-  data->free_area_m2 = static_cast<double>(free) * std::pow(static_cast<double>(data->grid.cell_m), 2);
-  if (free == 0) throw std::invalid_argument("map: it has no free space");
-  if (surface.size() == 0) throw std::invalid_argument("map: it has no occupied cell beside free ones");
-  data->surface_points = surface.size();
-  const double cell = static_cast<double>(data->grid.cell_m);
-  data->coarse = surfels_of(surface, data->grid, std::max(kCoarseCellM, 2.0 * cell));
-  data->fine = surfels_of(surface, data->grid, std::max(kFineCellM, 1.5 * cell));
+  add_surfels(*data, map_surface(data->grid));
+  data->view_spacing_m = options.view_spacing_m;
+  data->view_range_m = options.view_range_m;
   data->views = make_views(data->grid, options.view_spacing_m, options.view_range_m);
   if (data->views.size() == 0) throw std::invalid_argument("map: no free place is 0.1 m clear of what is occupied");
   return LocalizationMap(data);

@@ -16,7 +16,15 @@ struct LocalizationMap::Data {
   ViewTable views;
   double free_area_m2 = 0.0;
   std::size_t surface_points = 0;
+  double view_spacing_m = 0.0, view_range_m = 0.0;  ///< options that the views were made with
 };
+
+/// @throws std::invalid_argument for cells that are not width x height or too many, and numbers that are not finite
+void check_map(const TrinaryMap& map);
+
+/// What is made of grid and surface and takes no time: surfels and the free area. @throws std::invalid_argument where
+/// there is no free space or no surface
+void add_surfels(LocalizationMap::Data& data, const MapPoints& surface);
 
 /// Registers points on one of the maps, with poses in the frame of the grid.
 inline Registration register_on_grid(const LocalMap& map, const MapPoints& points, const Pose2& T_grid_base,

@@ -98,7 +98,7 @@ float MapGrid::cast(float x, float y, float dx, float dy, float most) const {
   return most;
 }
 
-MapGrid make_map_grid(const TrinaryMap& map) {
+MapGrid make_map_cells(const TrinaryMap& map) {
   const int merge =
       map.resolution_m >= kLeastCellM ? 1 : std::max(1, static_cast<int>(std::lround(kMergedCellM / map.resolution_m)));
   MapGrid grid;
@@ -123,6 +123,11 @@ MapGrid make_map_grid(const TrinaryMap& map) {
     }
   }
   for (std::size_t i = 0; i < votes.size(); ++i) grid.free[i] = votes[i] >= 0 && !grid.occupied[i];
+  return grid;
+}
+
+MapGrid make_map_grid(const TrinaryMap& map) {
+  MapGrid grid = make_map_cells(map);
   fill_distances(grid);
   return grid;
 }

@@ -16,7 +16,6 @@ namespace {
 //   magic 8, version u32, sections u32, of each: name 16, packing u32, checksum u32, bytes in the file u64, bytes
 //   unpacked u64; checksum u32 of all before it; the sections one after the other, up to the end of the file.
 // Checksums are CRC-32 of the bytes in the file.
-constexpr std::string_view kMagic("\x89PSSTATE", 8);
 constexpr std::size_t kNameBytes = 16, kEntryBytes = kNameBytes + 4 + 4 + 8 + 8, kHeadBytes = 8 + 4 + 4;
 constexpr std::uint32_t kMostSections = 64;
 constexpr std::uint32_t kPlain = 0, kZstd = 1;
@@ -94,15 +93,15 @@ const std::string* StateSections::find(std::string_view name) const {
 
 const std::string& StateSections::at(std::string_view name) const {
   if (const std::string* content = find(name)) return *content;
-  throw StateFormatError("has no section '" + std::string(name) + "'; expected a file written by --save");
+  throw StateFormatError("has no section '" + std::string(name) + "'; expected one");
 }
 
-bool looks_like_state(std::string_view bytes) {
-  return bytes.starts_with(kMagic);
+bool looks_like_state(std::string_view bytes, const StateFileKind& kind) {
+  return bytes.starts_with(kind.magic);
 }
 
-std::string pack_state(const StateSections& sections) {
-  std::string out(kMagic);
+std::string pack_state(const StateSections& sections, const StateFileKind& kind) {
+  std::string out(kind.magic);
   put(out, sections.version);
   put(out, static_cast<std::uint32_t>(sections.sections.size()));
   std::vector<std::string> contents;
@@ -122,17 +121,19 @@ std::string pack_state(const StateSections& sections) {
   return out;
 }
 
-StateSections unpack_state(std::string_view bytes) {
-  if (!looks_like_state(bytes)) {
-    if (!bytes.empty() && kMagic.starts_with(bytes)) refuse_cut_off(bytes.size(), kHeadBytes);
-    throw StateFormatError("is no saved state; expected a file written by --save");
+StateSections unpack_state(std::string_view bytes, const StateFileKind& kind) {
+  const std::string noun = kind.noun;
+  if (!looks_like_state(bytes, kind)) {
+    if (!bytes.empty() && kind.magic.starts_with(bytes)) refuse_cut_off(bytes.size(), kHeadBytes);
+    throw StateFormatError("is no " + noun + "; expected " + kind.expected);
   }
   if (bytes.size() < kHeadBytes) refuse_cut_off(bytes.size(), kHeadBytes);
   StateSections out;
   out.version = get<std::uint32_t>(bytes, 8);
-  if (out.version == 0 || out.version > kStateFileVersion) {
-    throw StateFormatError("is a saved state of version " + std::to_string(out.version) +
-                           "; this build reads versions 1 to " + std::to_string(kStateFileVersion));
+  if (out.version < kind.oldest || out.version > kind.newest) {
+    throw StateFormatError("is a " + noun + " of version " + std::to_string(out.version) +
+                           "; this build reads versions " + std::to_string(kind.oldest) + " to " +
+                           std::to_string(kind.newest));
   }
   const auto count = get<std::uint32_t>(bytes, 12);
   if (count > kMostSections) throw StateFormatError("is damaged: its head does not match its checksum");

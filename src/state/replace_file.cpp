@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
@@ -59,7 +60,8 @@ bool is_device(const std::string& path) {
 void replace_file(const std::string& path, std::string_view bytes) {
   const std::string target = target_of(path);
   if (is_device(target)) return write_all(Descriptor(path, O_WRONLY, path).get(), path, bytes);
-  const std::string temporary = target + ".tmp" + std::to_string(::getpid());
+  static std::atomic<unsigned> counter{0};  // threads may write the same file
+  const std::string temporary = target + ".tmp" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
   try {
     const Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC, path);
     write_all(file.get(), path, bytes);

@@ -105,6 +105,29 @@ TEST(StateContainer, VersionsFromTheFirstToThisOneAreRead) {
   }
 }
 
+TEST(StateContainer, AFileOfAnotherKindIsRefused) {
+  constexpr StateFileKind kOther{std::string_view("\x89PSOTHER", 8), 7, 8, "cake", "a file written by a baker"};
+  StateSections sections = some_sections();
+  for (sections.version = 6; sections.version <= 9; ++sections.version) {
+    const std::string bytes = pack_state(sections, kOther);
+    EXPECT_EQ(refusal_of(bytes), "is no saved state; expected a file written by --save");
+    try {
+      EXPECT_EQ(unpack_state(bytes, kOther).at("zeros"), sections.at("zeros"));
+      EXPECT_TRUE(sections.version == 7 || sections.version == 8);
+    } catch (const StateFormatError& error) {
+      EXPECT_EQ(error.what(),
+                "is a cake of version " + std::to_string(sections.version) + "; this build reads versions 7 to 8");
+    }
+  }
+  sections.version = kStateFileVersion;
+  try {
+    unpack_state(pack_state(sections), kOther);
+    FAIL() << "read";
+  } catch (const StateFormatError& error) {
+    EXPECT_STREQ(error.what(), "is no cake; expected a file written by a baker");
+  }
+}
+
 TEST(StateContainer, AFileIsReplacedWholeOrNotAtAll) {
   const test::TempFolder folder;
   const std::string path = folder / "a.state";

@@ -1,4 +1,4 @@
-// Files of saved runs whose checksums are put right: what a reader does past them.
+// Files of saved runs, and of that format, whose checksums are put right: what a reader does past them.
 #pragma once
 
 #include <zlib.h>
@@ -46,8 +46,8 @@ inline std::string sealed(std::string bytes) {
 }
 
 /// The same content with no section packed: what is changed in it is changed in what is read.
-inline std::string unpacked_file(const std::string& file) {
-  const StateSections read = unpack_state(file);
+inline std::string unpacked_file(const std::string& file, const StateFileKind& kind = kSavedState) {
+  const StateSections read = unpack_state(file, kind);
   std::string bytes = file.substr(0, kStateHead + kStateEntry * read.sections.size() + 4);
   for (std::size_t i = 0; i < read.sections.size(); ++i) {
     const std::size_t entry = kStateHead + kStateEntry * i;
